@@ -8,9 +8,10 @@ import os
 import re
 import struct
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryDirectory
 
 import zmq
 import zmq.auth
@@ -100,7 +101,7 @@ def gate_of(context: Context, folder: Path | None) -> Iterator[Gate | None]:
 def new_client(folder: Path, name: str, out: Path | None = None) -> Path:
     """Let a client in: list its public key and return the file that it needs.
 
-    The service's own key is made where there is none.
+    The service's own key is made where there is none. Nothing is left of what fails.
 
     Raises
     ------
@@ -119,20 +120,37 @@ def new_client(folder: Path, name: str, out: Path | None = None) -> Path:
     try:
         folder.mkdir(mode=0o700, parents=True, exist_ok=True)
         clients.mkdir(mode=0o700, exist_ok=True)
-        if not (folder / f"{_SERVER}.key_secret").exists():
-            _, own = zmq.auth.create_certificates(folder, _SERVER)
-            Path(own).chmod(0o600)
-        _, secret_file = zmq.auth.create_certificates(clients, name)
-        public, secret = _load(Path(secret_file))
-        Path(secret_file).unlink()
-        server, _ = _load(folder / f"{_SERVER}.key_secret")
-        pairs = (("public", public), ("secret", secret), ("server", server))
-        text = "".join(f'{field} = "{key.decode()}"\n' for field, key in pairs)
-        with os.fdopen(os.open(out, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600), "w") as file:
-            file.write(f"# The key of {name}: keep it to yourself.\n{text}")
+        with TemporaryDirectory(prefix=".new-", dir=folder) as desk, ExitStack() as undo:
+            own = _own_key(folder, Path(desk), undo)
+            listed, secret_file = map(Path, zmq.auth.create_certificates(desk, name))
+            public, secret = _load(secret_file)
+            descriptor = os.open(out, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o600)
+            undo.callback(out.unlink)
+            with os.fdopen(descriptor, "w") as file:
+                file.write(_client_text(name, ClientKey(public, secret, own)))
+            listed.rename(clients / listed.name)  # at last: whoever is let in has a key
+            undo.pop_all()
     except OSError as error:
         raise DeviceError(f"{error.filename}: {error.strerror}") from error
     return out
+
+
+def _own_key(folder: Path, desk: Path, undo: ExitStack) -> bytes:
+    """Return the service's public key, made on a desk where there is none; ``undo`` takes it away again."""
+    path = folder / f"{_SERVER}.key_secret"
+    if not path.exists():
+        made = zmq.auth.create_certificates(desk, _SERVER)
+        Path(made[1]).chmod(0o600)
+        for file in map(Path, made):
+            file.rename(folder / file.name)
+            undo.callback((folder / file.name).unlink)
+    return _load(path)[0]
+
+
+def _client_text(name: str, key: ClientKey) -> str:
+    pairs = (("public", key.public), ("secret", key.secret), ("server", key.server))
+    text = "".join(f'{field} = "{value.decode()}"\n' for field, value in pairs)
+    return f"# The key of {name}: keep it to yourself.\n{text}"
 
 
 def load_client_key(path: Path) -> ClientKey:

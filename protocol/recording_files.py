@@ -31,14 +31,30 @@ def files_of(path: Path) -> list[Path]:
     list of Path
         Empty where none is there, or their folder cannot be read.
     """
-    first = path.with_stem(_NUMBER.sub("", path.stem))
-    found: dict[int, Path] = {1: first} if first.is_file() else {}
     try:
-        neighbours = list(first.parent.iterdir())
+        neighbours = list(path.parent.iterdir())
     except OSError:
-        return list(found.values())
+        neighbours = []
+    first = _first_of(path, neighbours)
+    found = {1: first} if first.is_file() else {}
     for neighbour in neighbours:
-        number = _NUMBER.search(neighbour.stem)
-        if number is not None and neighbour == numbered(first, int(number[1])):
-            found[int(number[1])] = neighbour
+        number = _number_after(first, neighbour)
+        if number is not None:
+            found[number] = neighbour
     return [found[number] for number in sorted(found)]
+
+
+def _first_of(path: Path, neighbours: list[Path]) -> Path:
+    """Return the first file of a recording; one that others go on from is that, whatever it is called."""
+    number = _NUMBER.search(path.stem)
+    if number is None or any(_number_after(path, neighbour) for neighbour in neighbours):
+        return path
+    first = path.with_stem(path.stem.removesuffix(number[0]))
+    return path if _number_after(first, path) is None else first
+
+
+def _number_after(first: Path, path: Path) -> int | None:
+    """Return the number of a further file of a recording; None if it is none of them."""
+    found = _NUMBER.search(path.stem)
+    number = 1 if found is None else int(found[1])
+    return number if number > 1 and path == numbered(first, number) else None

@@ -66,7 +66,7 @@ def load_setup(path: Path | None, flags: Flags) -> Setup:
 
 
 def replayed_setup(recording: Path, flags: Flags, speed: float) -> Setup:
-    """Return the setup of a recorded run, let flags win over it, and publish on this machine.
+    """Return the setup of a recorded run, let flags win over it, and publish on this machine, without metrics.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def replayed_setup(recording: Path, flags: Flags, speed: float) -> Setup:
     tables = parse_toml(config_text, f"{CONFIG_ATTACHMENT} in {recording}")
     publish = tables.pop("publish", {})
     raw = {"raw": publish["raw"]} if isinstance(publish, dict) and "raw" in publish else {}
-    tables = _with_flags({**tables, "publish": raw, "record": None}, flags)
+    tables = _with_flags({**tables, "publish": raw, "record": None, "metrics": None}, flags)
     arm = None if "arm" in flags else parse_arm(arm_text, f"{ARM_ATTACHMENT} in {recording}")
     return replace(_setup(str(recording), tables, arm), replay=recording, speed=speed)
 

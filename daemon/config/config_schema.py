@@ -1,8 +1,15 @@
 """The tables of `limbd.toml` and their fields."""
 
+import re
+from ipaddress import IPv4Address
 from typing import Annotated, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, Strict
+from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
+
+#: The highest rate that Linux takes of a line: `c_ospeed` of termios2, as pyserial fills it in.
+_MOST_BAUD = 2**31 - 1
+#: The highest port of TCP (RFC 9293): 16 bits.
+_MOST_PORT = 2**16 - 1
 
 Number = Annotated[float, Field(allow_inf_nan=False)]
 
@@ -19,7 +26,7 @@ class DeviceTable(_Table):
     """
 
     port: Annotated[str, Field(min_length=1)]
-    baud: Annotated[int, Field(gt=0)] = 12_000_000
+    baud: Annotated[int, Field(gt=0, le=_MOST_BAUD)] = 12_000_000
     real_time: bool = True
 
 
@@ -88,10 +95,24 @@ class TrialsTable(_Table):
     learning: Annotated[int, Field(ge=0)] = 5
 
 
+def _of_this_machine(address: str) -> str:
+    host, _, port = address.rpartition(":")
+    if not (_is_loopback(host) and re.fullmatch("[0-9]{1,5}", port) and int(port) <= _MOST_PORT):
+        raise ValueError(f"expected 127.0.0.1:PORT, localhost:PORT or [::1]:PORT, with a port up to {_MOST_PORT}")
+    return address
+
+
+def _is_loopback(host: str) -> bool:
+    try:
+        return host in ("localhost", "[::1]") or IPv4Address(host).is_loopback
+    except ValueError:
+        return False
+
+
 class MetricsTable(_Table):
     """`[metrics]`: absent, there is no endpoint for Prometheus. It answers this machine only."""
 
-    address: Annotated[str, Field(pattern=r"^(127\.[0-9.]+|localhost|\[::1\]):[0-9]{1,5}$")]
+    address: Annotated[str, AfterValidator(_of_this_machine)]
 
 
 class Config(_Table):

@@ -14,13 +14,15 @@ from rich.text import Text
 
 from limbcal.command import answers, emit, say, show, strict_line
 from limbcal.digits import NORMAL_95
-from limbcal.errors import DeviceError
+from limbcal.errors import ConfigError, DeviceError
 from protocol.curve import load_client_key
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber
 
 #: Number of missed heartbeats, one a second, after which a daemon is gone.
 _PATIENCE_S = 3.0
+#: What no other program that publishes `limb/health` says of itself, see docs/protocol.md.
+_OF_A_DAEMON = ("connected", "clock", "tracking")
 #: A daemon that has just been started compiles and waits for its device before it says anything.
 WAIT_S = 30.0
 
@@ -41,21 +43,24 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool, wait_s: f
 
     Raises
     ------
+    ConfigError
+        If what is heard there is another program.
     DeviceError
         If no daemon is heard.
     """
     mine = None if key is None else load_client_key(key)
     with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH], mine, watched=True) as subscriber:
-        health = _first(subscriber, endpoint, wait_s)
+        health = of_a_daemon(endpoint, _first(subscriber, endpoint, wait_s))
         if as_json or once:
             while True:
                 emit(strict_line(health)) if as_json else show(view_of(endpoint, health))
                 if once:
                     return
-                health = _next(subscriber, endpoint)
+                health = of_a_daemon(endpoint, _next(subscriber, endpoint))
         with Live(view_of(endpoint, health), console=answers(), auto_refresh=False) as live:
             while True:
-                live.update(view_of(endpoint, _next(subscriber, endpoint)), refresh=True)
+                health = of_a_daemon(endpoint, _next(subscriber, endpoint))
+                live.update(view_of(endpoint, health), refresh=True)
 
 
 def _first(subscriber: Subscriber, endpoint: str, wait_s: float) -> Mapping[str, Any]:
@@ -76,6 +81,23 @@ def _next(subscriber: Subscriber, endpoint: str) -> Mapping[str, Any]:
             f"the daemon on {endpoint} is not heard any more since {_PATIENCE_S:g} s; was `limbd run` stopped?"
         )
     return message[1]
+
+
+def of_a_daemon(endpoint: str, health: Mapping[str, Any]) -> Mapping[str, Any]:
+    """Return a report that is a daemon's; those of other programs say less.
+
+    Raises
+    ------
+    ConfigError
+        If it is another program's.
+    """
+    missing = [name for name in _OF_A_DAEMON if name not in health]
+    if missing:
+        raise ConfigError(
+            f"endpoint {endpoint}: who publishes there says nothing of {', '.join(missing)}, "
+            "expected the endpoint of `limbd run`"
+        )
+    return health
 
 
 def view_of(endpoint: str, health: Mapping[str, Any]) -> Group:

@@ -11,10 +11,12 @@ from daemon.acquisition.ring import Memory, Ring
 from daemon.config.config import WAIT_ADVICE, Setup
 from daemon.pipeline.pipeline import Pipeline, tracker_for
 from daemon.process.control_line import ControlLine, SupervisorGone
+from daemon.process.early_stop import stopped_early
 from daemon.reception.reception import Reception
 from daemon.recording.record_link import Context, RecordLink
 from daemon.recording.recorded_run import RecordedClock
 from limbcal.allocator import give_back, large_blocks_apart
+from limbcal.command import console
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.real_time import PIPELINE, ask_for_real_time
 from protocol.curve import gate_of
@@ -77,8 +79,10 @@ def run_pipeline(
         introduction = _introduction(line, ring, parser, setup, publisher)
         if introduction is None:
             return
-        reception = _reception(setup, parser, introduction)
-        pipeline = _pipeline(setup, run, reception, publisher, link)
+        stack.callback(console.show_cursor)  # a compiler that is left hides it
+        with stopped_early(line, stack.close):  # where kernels are compiled, it takes minutes
+            reception = _reception(setup, parser, introduction)
+            pipeline = _pipeline(setup, run, reception, publisher, link)
         if setup.config.device.real_time:  # not before its kernels are compiled
             ask_for_real_time(PIPELINE)
         line.tell("tracking", rate_hz=introduction.info.rate_hz, device=introduction.info.device)

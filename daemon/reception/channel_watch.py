@@ -14,8 +14,9 @@ Counts = NDArray[np.int16]
 Counted = NDArray[np.int64]
 
 _LEAST, _MOST = np.iinfo(np.int16).min, np.iinfo(np.int16).max
-#: A living accelerometer's noise never holds one count for so long [s]: a convention.
-_FLAT_S = 0.1
+#: A living accelerometer's noise never holds one count for so long [s], nor for so many samples, of which a slow
+#: device has few: noise with a standard deviation of one count does so once in 300 000 times. Conventions.
+_FLAT_S, _FLAT_SAMPLES = 0.1, 10
 
 
 @dataclass(frozen=True)
@@ -59,7 +60,7 @@ class ChannelWatch:
         # Full scale may lie between two counts, or beyond what 16 bits can say.
         self._low = np.maximum(np.ceil(ends[:, 0]), limits.min).astype(np.int16)
         self._high = np.minimum(np.floor(ends[:, 1]), limits.max).astype(np.int16)
-        self._flat_samples = round(_FLAT_S * rate_hz)
+        self._flat_samples = max(round(_FLAT_S * rate_hz), _FLAT_SAMPLES)
         self._last = np.zeros(len(channels), dtype=np.int16)
         self._still = np.zeros(len(channels), dtype=np.int64)
         self._scale, self._offset = (

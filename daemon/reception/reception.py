@@ -248,7 +248,7 @@ class Reception:
 
     def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:
         """Enter a frame whose clock, if it was off, was so by some ticks."""
-        lost, numbered = self.ledger.missing(frame), self.ledger.numbered(frame)
+        lost = self.ledger.missing(frame)
         begun_anew = lost is None
         if self.clock is None or lost is None:
             by_host = self._start_clock(frame, last, arrival_ns)
@@ -261,10 +261,11 @@ class Reception:
             why = (
                 "the device was restarted" if begun_anew else self._losses.cause(lost, frame, self.ledger.follows)
             )
-            infos = (numbered - lost) / max(self.ledger.frame_samples, 1)  # they have numbers and no samples
-            by_number = infos.is_integer() and 0.0 <= infos <= self.guard.most_infos
-            self.guard.unanswered -= int(infos) if by_number and not self.guard.unplugged else 0
-            exact = by_number and not begun_anew and not self.guard.is_off
+            sizes = self.ledger.sizes_with(frame)
+            infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
+            by_number = infos is not None and infos <= self.guard.most_infos
+            self.guard.unanswered -= infos if infos and by_number and not self.guard.unplugged else 0
+            exact = by_number and sizes.are_one and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)

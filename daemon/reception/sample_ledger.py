@@ -7,6 +7,7 @@ from itertools import pairwise
 from operator import sub
 
 from daemon.clock.tick_step import TickStep
+from daemon.reception.frame_sizes import FrameSizes
 from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesFrame, SamplesRun
 
 #: Gaps are kept, the last ones; all of them are in the recording and the sums.
@@ -27,7 +28,8 @@ class Gap:
     why : str
         A cause in few words, such as ``unplugged``.
     exact : bool
-        Whether the numbers of frames tell how many, and the device's clock agrees; else one of both clocks does.
+        Whether the numbers of frames, all of one size, tell how many, and the device's clock agrees; else one of
+        both clocks does.
     """
 
     sample0: int
@@ -40,9 +42,11 @@ class Gap:
 class SampleLedger:
     """Accounts for every sample between the first and the last.
 
-    A frame that never came leaves a hole in the sequence numbers, and its samples are counted by them. The
-    device's clock is asked too, because a device that lost samples before it numbered them shows it only there:
-    a step of the clock that is longer than its samples take, by the ticks of a sample that `TickStep` measures.
+    A frame that never came leaves a hole in the sequence numbers, and its samples are counted by them. How many it
+    had the numbers tell only where all frames are of one size; of others they tell between which bounds, those of
+    the smallest and the largest frame that was seen, and the device's clock tells the rest. The clock is asked in
+    any case, because a device that lost samples before it numbered them shows it only there: a step of the clock
+    that is longer than its samples take, by the ticks of a sample that `TickStep` measures.
 
     Parameters
     ----------
@@ -73,6 +77,7 @@ class SampleLedger:
         self._announced_anew = False
         self._ticks: int | None = None
         self._frame_samples = 0
+        self._sizes = FrameSizes()
 
     @property
     def position(self) -> int:
@@ -104,14 +109,16 @@ class SampleLedger:
     def doubts(self, frame: SamplesFrame) -> bool:
         """Say whether a frame contradicts the rate of INFO while too few came to tell whether INFO is right.
 
-        `decide` with it and the frames after it settles that.
+        So does one before which only the clock could tell how many samples are missing. `decide` with it and the
+        frames after it settles that.
         """
         if self._ticks is None or self._sequence is None or self.step.measured or self._went_back(frame.ticks):
             return False
-        skipped = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
-        by_number = skipped * self._frame_samples
+        frames, sizes = self.frames_before(frame), self.sizes_with(frame)
         late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
-        return skipped <= HALF_WAY and abs(late - by_number) > self.step.tolerance(by_number)
+        by_number = sizes.nearest(frames, late)
+        only_clock = frames > 0 and not sizes.are_one
+        return frames <= HALF_WAY and (only_clock or abs(late - by_number) > self.step.tolerance(by_number))
 
     def decide(self, frames: Sequence[SamplesFrame]) -> None:
         """Measure the ticks of a sample from frames that are to be entered."""
@@ -130,7 +137,7 @@ class SampleLedger:
         """Return how many samples are missing before a frame; None if the device has begun to count anew."""
         if self._ticks is None:
             return self._missing_at_first(frame)
-        return self._missing(frame.sequence, frame.ticks)
+        return self._missing(frame)
 
     def goes_on(self, run: SamplesRun) -> bool:
         """Say whether no sample is missing before a run, nor between its frames."""
@@ -157,11 +164,24 @@ class SampleLedger:
         return (sequence + 1) % SEQUENCES
 
     def numbered(self, frame: SamplesFrame) -> int:
-        """Return how many samples are missing before a frame by number."""
-        if self._sequence is None:
-            return 0
-        frames = self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
-        return frames * (self._frame_samples or len(frame.counts))
+        """Return how many samples are missing before a frame by number, if in frames like the one before."""
+        return self.frames_before(frame) * (self._frame_samples or len(frame.counts))
+
+    def fewest_numbered(self, frame: SamplesFrame) -> int:
+        """Return how many samples are missing before a frame by number at the least."""
+        return round(self.nearest_numbered(frame, 0.0))
+
+    def nearest_numbered(self, frame: SamplesFrame, by_clock: float) -> float:
+        """Return how many samples may be missing before a frame by number, nearest to how many are by a clock."""
+        return self.sizes_with(frame).nearest(self.frames_before(frame), by_clock)
+
+    def frames_before(self, frame: SamplesFrame) -> int:
+        """Return how many frames are missing before one, by number."""
+        return 0 if self._sequence is None else self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES
+
+    def sizes_with(self, frame: SamplesFrame) -> FrameSizes:
+        """Return the sizes of all frames and of this one."""
+        return self._sizes.with_frame(len(frame.counts))
 
     def _went_back(self, ticks: int) -> bool:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)
@@ -179,22 +199,19 @@ class SampleLedger:
         """Return how many samples the device numbered since it said what it is, and before the first that came."""
         if self._sequence is None:
             return 0
-        lost = (self._skipped + (frame.sequence - self._sequence - 1) % SEQUENCES) * len(frame.counts)
+        lost = self.frames_before(frame) * len(frame.counts)
         elapsed = (frame.ticks - self._announced_ticks) / self.step.ticks_per_sample
         most = elapsed + len(frame.counts) + self.step.tolerance(abs(elapsed))
         return lost if lost <= most else 0  # else it has begun to count anew meanwhile
 
-    def _missing(self, sequence: int, ticks: int) -> int | None:
+    def _missing(self, frame: SamplesFrame) -> int | None:
         assert self._ticks is not None
         assert self._sequence is not None
-        skipped = (sequence - self._sequence - 1) % SEQUENCES
-        if skipped > HALF_WAY or self._went_back(ticks):
+        if (frame.sequence - self._sequence - 1) % SEQUENCES > HALF_WAY or self._went_back(frame.ticks):
             return None
-        by_number = (self._skipped + skipped) * self._frame_samples
-        late = self.step.late(ticks - self._ticks, self._frame_samples)
-        if abs(late - by_number) <= self.step.tolerance(by_number):
-            return by_number
-        return max(0, round(late))
+        late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
+        by_number = self.nearest_numbered(frame, late)
+        return max(0, round(by_number if abs(late - by_number) <= self.step.tolerance(by_number) else late))
 
     def follows(self, frame: SamplesFrame) -> bool:
         """Say whether a frame's number is the next one."""
@@ -210,6 +227,7 @@ class SampleLedger:
                 self.step.stray(step, self._frame_samples)
             self.step.begin(frame.ticks)
         n = len(frame.counts)
+        self._sizes = self.sizes_with(frame)
         self._sequence, self._skipped, self._ticks, self._frame_samples = frame.sequence, 0, frame.ticks, n
         self._announced_anew = False
         self.samples += n
@@ -223,6 +241,7 @@ class SampleLedger:
         self.step.go_on(run.ticks[-1] - before, samples, run.ticks[-1], self._frame_samples + (count - 1) * n)
         self._sequence = (run.sequence + count - 1) % SEQUENCES
         self._ticks, self._frame_samples = run.ticks[-1], n
+        self._sizes = self._sizes.with_frame(n)
         self.samples += len(run.counts)
 
     def note(self, gap: Gap, cause: str | None = None) -> None:

@@ -11,7 +11,8 @@ show yet. A frame that follows by number while its clock does not fit waits for 
   row agree, it runs at another rate.
 
 A misread clock shows what is due, and a jump is taken out of all that comes after it. Where frames are missing by
-number the host's clock decides at once.
+number a clock is believed that shows no less than the smallest of frames take, and no more than the largest; about
+any other the host's clock decides at once.
 """
 
 import math
@@ -155,16 +156,17 @@ class TickGuard:
 
     def _by_host(self, frame: SamplesFrame, due: int, early_s: EarlyBy, enter: Enter) -> None:
         """Enter a frame before which others are missing, by number or clock, as the host's clock allows."""
-        missing = self._ledger.numbered(frame)
-        numbered = due + round(missing * self._ledger.step.ticks_per_sample)
-        off = frame.ticks - numbered
-        most = self._ledger.step.tolerance(missing) * self._ledger.step.ticks_per_sample
-        of_infos = self.most_infos * self._ledger.frame_samples * self._ledger.step.ticks_per_sample
+        ledger, p = self._ledger, self._ledger.step.ticks_per_sample
+        missing = ledger.nearest_numbered(frame, (frame.ticks - due) / p)
+        off = frame.ticks - due - round(missing * p)
+        most = ledger.step.tolerance(missing) * p
+        of_infos = self.most_infos * ledger.sizes_with(frame).smallest * p
         possible = (off > 0 or (not self._off and -off <= of_infos + most)) and early_s(self._end(frame)) == 0.0
-        if abs(off) <= most or possible or early_s(numbered) > 0.0:
+        if abs(off) <= most or possible or early_s(due + round(ledger.fewest_numbered(frame) * p)) > 0.0:
             self._pass(frame, enter)
         else:
-            self.shift -= off
+            numbered = due + round(ledger.numbered(frame) * p)
+            self.shift -= frame.ticks - numbered
             self._due(frame, numbered, enter)
 
     def _end(self, frame: SamplesFrame) -> int:

@@ -3,7 +3,7 @@
 from collections import deque
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, dropwhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -15,6 +15,7 @@ from daemon.clock.device_clock import ClockState
 from limbcal.errors import DataError, ProtocolError
 from protocol.device_info import Channel, DeviceInfo
 from protocol.message import HEALTH, RAW
+from protocol.recording_files import files_of
 from protocol.recording_reader import read_recording
 
 #: Ticks of a replayed device: fine enough that a single lost sample is beyond doubt.
@@ -43,23 +44,6 @@ class Block:
     a: NDArray[np.float32]
 
 
-def files_of(path: Path) -> list[Path]:
-    """Return a recording and those that its run went on with when it was full.
-
-    Parameters
-    ----------
-    path : Path
-        ``NAME.mcap``, followed by ``NAME-002.mcap`` and so on; one of these is followed by the rest.
-    """
-    stem, _, number = path.stem.rpartition("-")
-    k = int(number) if len(number) == 3 and number.isdecimal() and path.with_stem(stem).exists() else 1
-    first = stem if k > 1 else path.stem
-    files = [path]
-    while (following := path.with_stem(f"{first}-{k + len(files):03d}")).exists():
-        files.append(following)
-    return files
-
-
 def device_of(path: Path) -> DeviceInfo:
     """Return what the recorded device said of itself, with a clock that counts samples.
 
@@ -77,14 +61,20 @@ def device_of(path: Path) -> DeviceInfo:
 
 
 def blocks_of(path: Path) -> Iterator[Block]:
-    """Yield the blocks of a recording and of those that follow it, in order.
+    """Yield the blocks of a recording and of those that its run went on with, in order.
+
+    Parameters
+    ----------
+    path : Path
+        Any file of the run; those before it are not read, and those that are not there any more are passed over.
 
     Raises
     ------
     DataError
         If a file cannot be read.
     """
-    for file in files_of(path):
+    from_it_on = [*dropwhile(lambda file: file != path, files_of(path))]
+    for file in [path, *from_it_on[1:]]:
         with read_recording(file, [RAW]) as messages:
             for _, fields, _ in messages:
                 yield Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])

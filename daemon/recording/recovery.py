@@ -5,8 +5,11 @@ from collections import Counter
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
+from rich.text import Text
+
 from limbcal.command import console, show
 from limbcal.errors import DataError, DeviceError
+from limbcal.escaped import escaped
 from protocol.recording import ARM_ATTACHMENT, CONFIG_ATTACHMENT, RecordingWriter
 from protocol.recording_reader import Recorded, read_recording, recording_attachments
 
@@ -55,7 +58,7 @@ def recover(path: Path, out: Path | None = None) -> Mapping[str, object]:
         out.unlink(missing_ok=True)
         raise
     for warning in reader.warnings:
-        console.print(f"[yellow]warning:[/yellow] {warning}", soft_wrap=True)
+        console.print(Text.assemble(("warning:", "yellow"), f" {escaped(warning)}"), soft_wrap=True)
     seconds = 1e-9 * (last_ns - first_ns)
     show(f"{out}: {counts.total()} messages, {seconds:.1f} s, written and read back")
     return {

@@ -10,7 +10,7 @@ from daemon.acquisition.handshake import Handshake, check_channels
 from daemon.acquisition.ring import Mark, Ring, ring_memory
 from daemon.process.child_process import ChildProcess, raise_failure, wait_for_any
 from daemon.reception.reception import Reception
-from limbcal.errors import DeviceError
+from limbcal.errors import ConfigError, DeviceError
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
 
@@ -21,6 +21,8 @@ _LOOK_S = 0.01
 _ASK_S = 1.0
 #: A device that was started and sends nothing for so long will not send anything.
 _SILENCE_S = 5.0
+#: Fewer do not tell their noise, which is that of third differences (`tracking/noise.py`).
+_LEAST_SAMPLES = 4
 #: How long the reader may take to end [s], as in `limbd run`.
 _PATIENCE_S = 5.0
 
@@ -45,6 +47,8 @@ def sample_burst(port: str, baud: int, arm: Arm, seconds: float) -> tuple[float,
 
     Raises
     ------
+    ConfigError
+        If the device is so slow that these are too few samples.
     DeviceError
         If the port cannot be opened, the device says or sends nothing of sense or goes away, or its channels are
         not the arm's sensors.
@@ -58,12 +62,23 @@ def sample_burst(port: str, baud: int, arm: Arm, seconds: float) -> tuple[float,
         ring, parser = Ring(memory), FrameParser()
         introduction = _introduction(reader, ring, Handshake(parser, port))
         check_channels(introduction.info, arm, port)
-        reader.line.tell("start")
         rate_hz, reception = introduction.info.rate_hz, Reception(parser, introduction)
-        return rate_hz, _gathered(reader, ring, reception, round(seconds * rate_hz), port)
+        wanted = _wanted(seconds, rate_hz)
+        reader.line.tell("start")
+        return rate_hz, _gathered(reader, ring, reception, wanted, port)
     finally:
         reader.end(_PATIENCE_S)
         reader.close()
+
+
+def _wanted(seconds: float, rate_hz: float) -> int:
+    wanted = round(seconds * rate_hz)
+    if wanted < _LEAST_SAMPLES:
+        raise ConfigError(
+            f"--seconds is {seconds:g}, at the device's {rate_hz:g} Hz {wanted} samples; "
+            f"expected {_LEAST_SAMPLES} or more, --seconds {_LEAST_SAMPLES / rate_hz:g}"
+        )
+    return wanted
 
 
 def _introduction(reader: ChildProcess, ring: Ring, handshake: Handshake) -> InfoFrame:

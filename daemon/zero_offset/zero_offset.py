@@ -5,6 +5,7 @@ from pathlib import Path
 
 import numpy as np
 from rich.table import Table
+from rich.text import Text
 
 from arm.accelerometer import specific_force
 from arm.arm_file import preset_names, save_arm
@@ -125,7 +126,7 @@ def _show(arm: Arm, bias: Floats, std: Floats, out: Path) -> None:
     for sensor, b, error in zip(arm.sensors, bias, std, strict=True):
         half_widths = NORMAL_95 * error
         cells = [" ± ".join(with_half_width(*pair)) for pair in zip(b, half_widths, strict=True)]
-        table.add_row(sensor.name, *cells)
+        table.add_row(Text(sensor.name), *cells)
     show(table)
     for sensor, b in zip(arm.sensors, bias, strict=True):
         if np.abs(b).max() > _INCREDIBLE_M_S2:

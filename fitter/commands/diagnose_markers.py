@@ -7,6 +7,7 @@ from pathlib import Path
 from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
@@ -17,6 +18,7 @@ from fitter.report.marker_diagnosis import write_marker_report
 from limbcal.command import Document, console, say_notes, show, to_json, with_asked
 from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError
+from limbcal.escaped import escaped
 from limbcal.note import documents
 
 _SENTENCES = {
@@ -80,14 +82,18 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:
         show(f"  {described(cause)}")
-    table = Table(escape("rms distance in evaluating trials [mm]"), "before", "after")
-    table.add_row("all markers", *(f"{value:.1f}" for value in finding.rms_mm))
-    for name in dict.fromkeys(name for cause in finding.causes for name in cause.markers):
-        table.add_row(name, f"{finding.before[name]:.1f}", f"{finding.after[name]:.1f}")
-    show(table)
+    show(_distances(finding))
     show(f"next: {finding.next_experiment}")
     show(f"report: {out / 'report.html'}")
     return answer
+
+
+def _distances(finding: MarkerFinding) -> Table:
+    table = Table(escape("rms distance in evaluating trials [mm]"), "before", "after")
+    table.add_row("all markers", *(f"{value:.1f}" for value in finding.rms_mm))
+    for name in dict.fromkeys(name for cause in finding.causes for name in cause.markers):
+        table.add_row(Text(escaped(name)), f"{finding.before[name]:.1f}", f"{finding.after[name]:.1f}")
+    return table
 
 
 def document(finding: MarkerFinding) -> Document:

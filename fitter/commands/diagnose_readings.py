@@ -4,8 +4,10 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
+from rich.markup import escape
 from rich.progress import Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
 from rich.table import Table
+from rich.text import Text
 
 from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
@@ -63,13 +65,17 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:
         show(f"  {described(cause)}")
-    table = Table("contradiction, rms [m/s^2]", "before", "after")
-    for name, was in finding.before.items():
-        table.add_row(name, f"{was:.4g}", f"{finding.after[name]:.4g}")
-    show(table)
+    show(_contradictions(finding))
     show(f"next: {finding.next_experiment}")
     show(f"report: {out / 'report.html'}")
     return answer
+
+
+def _contradictions(finding: SensorFinding) -> Table:
+    table = Table(escape("contradiction, rms [m/s^2]"), "before", "after")
+    for name, was in finding.before.items():
+        table.add_row(Text(name), f"{was:.4g}", f"{finding.after[name]:.4g}")
+    return table
 
 
 def document(finding: SensorFinding) -> Document:

@@ -50,7 +50,7 @@ def say_ground(
 
 
 def _table(fit: GroundFit, names: Sequence[str], title: str, prior: bool) -> Table:
-    table = Table(title=title, title_justify="left")
+    table = Table(title=escape(title), title_justify="left")
     for column in (
         "segment",
         "mass [kg]",

@@ -178,7 +178,7 @@ def _no_masses(body: Body | None) -> list[Note]:
 
 
 def _show(whose: str, answer: Document) -> None:
-    table = Table(title=f"{whose}: {answer['samples']} frames", title_justify="left")
+    table = Table(title=escape(f"{whose}: {answer['samples']} frames"), title_justify="left")
     for column in ("", "value", "95 %", "disjoint trials apart"):
         table.add_column(column)
     lengths, centres, axes = (dict(answer[k]) for k in ("lengths_m", "centres", "axes"))  # type: ignore[call-overload]

@@ -242,6 +242,7 @@ def _take(source: Source, role: str, found: Sequence[Found], plan: Plan) -> None
     columns: list[Column] = []
     sums: list[ColumnSum] = []
     heeded: dict[Unit, list[str]] = {}
+    beside: dict[Unit, list[str]] = {}
     dimensions = dimensions_of(role)
     for address, total in found:
         for name, _ in total.terms:
@@ -250,6 +251,8 @@ def _take(source: Source, role: str, found: Sequence[Found], plan: Plan) -> None
                 plan.stated.add(address.role)
                 if unit.factor != 1.0:
                     heeded.setdefault(unit, []).append(name)
+                    if total.constant and address.unit is None:
+                        beside.setdefault(unit, []).append(address.text)
             factor = None if unit is None else unit.factor
             if role == "t":
                 columns.append(Column(name, 1.0, Clock(_tick(source, address, total, factor))))
@@ -265,6 +268,12 @@ def _take(source: Source, role: str, found: Sequence[Found], plan: Plan) -> None
         verb = "is" if len(names) == 1 else "are"
         text = f"{', '.join(names)} {verb} in {unit.name} and {verb} converted to {_SI[unit.dimension]}"
         plan.notes.append(Note("unit", text, source=str(source.path), columns=tuple(names)))
+    for unit, texts in beside.items():
+        text = (
+            f"the number in {', '.join(dict.fromkeys(texts))} is taken in {_SI[unit.dimension]}, beside a column "
+            f"in {unit.name}; if it is in {unit.name}, expected ':{unit.name}' behind it in the mapping"
+        )
+        plan.notes.append(Note("unit", text, source=str(source.path), columns=tuple(heeded[unit])))
 
 
 def _tick(source: Source, address: Address, total: ColumnSum, factor: float | None) -> float | None:

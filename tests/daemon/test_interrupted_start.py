@@ -12,7 +12,7 @@ import psutil
 import pytest
 
 from protocol.device_info import DeviceInfo
-from tests.daemon.conftest import wait_until
+from tests.daemon.conftest import Program, wait_until
 from tests.patience import PATIENCE_S
 
 
@@ -42,6 +42,24 @@ def test_the_daemon(
     port = pty_device(make_info()).path
     code, said = _interrupted(tmp_path, n_children, "daemon", "run", "--port", port, *options)
     assert code == 0 and "Traceback" not in said and "Error" not in said
+
+
+def test_a_daemon_that_compiles_its_kernels_ends_without_them(
+    tmp_path: Path,
+    pty_device: Callable[..., Any],
+    make_info: Callable[..., DeviceInfo],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "no-kernels"))
+    options = ("--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f")
+    started = Program(tmp_path, "run", "--port", pty_device(make_info()).path, *options)
+    try:
+        wait_until(lambda: "compiling kernels" in started.said, "it compiled")
+        started.family = psutil.Process(started.process.pid).children(recursive=True)
+        assert started.stop() == 0
+        assert "error:" not in started.said
+    finally:
+        started.cleanup()
 
 
 def test_the_virtual_device(tmp_path: Path) -> None:

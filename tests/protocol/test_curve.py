@@ -3,6 +3,7 @@
 import stat
 from collections.abc import Iterator
 from pathlib import Path
+from unittest.mock import Mock
 
 import pytest
 import zmq
@@ -60,6 +61,31 @@ def test_keys_are_their_owners_alone(tmp_path: Path) -> None:
     assert "secret-key" not in (keys / "clients" / "a.key").read_text()
     for path in (first, keys / "server.key_secret"):
         assert stat.S_IMODE(path.stat().st_mode) & 0o077 == 0
+
+
+@pytest.mark.parametrize("known", [False, True])
+def test_nothing_is_left_of_a_key_that_could_not_be_made(tmp_path: Path, known: bool) -> None:
+    keys = tmp_path / "keys"
+    if known:
+        new_client(keys, "friend", tmp_path / "friend.limbkey")
+    before = sorted(path for path in keys.rglob("*") if path.is_file())
+    with pytest.raises(DeviceError, match="nowhere/lab.limbkey: No such file or directory"):
+        new_client(keys, "lab", tmp_path / "nowhere" / "lab.limbkey")
+    assert sorted(path for path in keys.rglob("*") if path.is_file()) == before
+    assert not [path for path in keys.iterdir() if path.name.startswith(".")]
+    load_client_key(new_client(keys, "lab", tmp_path / "lab.limbkey"))
+
+
+def test_a_client_that_cannot_be_listed_gets_no_key(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(Path, "rename", Mock(side_effect=OSError(28, "No space left on device", "lab.key")))
+    with pytest.raises(DeviceError, match="lab.key: No space left on device"):
+        new_client(tmp_path / "keys", "lab", tmp_path / "lab.limbkey")
+    assert [path for path in tmp_path.rglob("*") if path.is_file()] == []
+
+
+def test_a_client_may_be_called_server(tmp_path: Path) -> None:
+    key = load_client_key(new_client(tmp_path, "server", tmp_path / "out.limbkey"))
+    assert key.public != key.server and key.public.decode() in (tmp_path / "clients" / "server.key").read_text()
 
 
 def test_mistakes_are_named(tmp_path: Path, context: zmq.Context) -> None:

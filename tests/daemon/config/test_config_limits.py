@@ -75,6 +75,12 @@ def test_what_is_missing_is_said_with_its_flag() -> None:
         ({"record": {"directory": "x", "file_minutes": 0}}, "record.file_minutes is 0"),
         ({"record": {"directory": "x", "free_mb": -1}}, "record.free_mb is -1"),
         ({"metrics": {"address": "0.0.0.0:9464"}}, "metrics.address is '0.0.0.0:9464'"),
+        (
+            {"metrics": {"address": "127.0.0.1:99999"}},
+            "metrics.address is '127.0.0.1:99999'; expected 127.0.0.1:PORT, localhost:PORT or [::1]:PORT, "
+            "with a port up to 65535",
+        ),
+        ({"device": {"port": "x", "baud": 2**31}}, "device.baud is 2147483648"),
         ({"device": {"port": "x", "real_time": 1}}, "device.real_time is 1"),
     ],
 )
@@ -117,9 +123,14 @@ def test_defaults_are_those_of_the_manual() -> None:
     assert "raw = true" in text and "[record]" not in text and "zero" not in text
 
 
+def test_the_highest_rate_is_what_a_line_takes() -> None:
+    assert load_setup(None, {**FLAGS, "device": {"port": "x", "baud": 2**31 - 1}}).config.device.baud == 2**31 - 1
+
+
 CONFIG = (
     '[device]\nport = "/dev/old"\n[arm]\nfile = "gone.toml"\n[tracking]\nmethod = "integrate"\n'
     '[publish]\nendpoint = "tcp://*:1"\nraw = true\nkeys = "keys"\n[record]\ndirectory = "x"\n'
+    '[metrics]\naddress = "127.0.0.1:9464"\n'
 )
 
 
@@ -137,6 +148,7 @@ def test_a_recorded_run_has_its_arm_and_config_and_publishes_here_alone(recordin
     assert (setup.config.device.port, setup.config.tracking.method) == ("/dev/old", "integrate")
     assert (setup.config.publish.endpoint, setup.config.publish.raw) == ("tcp://127.0.0.1:5770", True)
     assert setup.config.publish.keys is None and setup.config.record is None
+    assert setup.config.metrics is None  # the service that recorded it may be running beside
 
 
 def test_flags_win_over_a_recorded_run(recording: Path, tmp_path: Path) -> None:

@@ -70,8 +70,10 @@ def test_a_field_that_there_is_not_is_refused(table: str) -> None:
 
 @pytest.mark.parametrize(
     ("address", "local"),
-    [("127.0.0.1:0", True), ("localhost:99999", True), ("[::1]:9464", True), ("127.1.2.3:1", True)]
-    + [("0.0.0.0:1", False), ("127.0.0.1:", False), ("127.0.0.1:123456", False), ("example.org:1", False)],
+    [("127.0.0.1:0", True), ("localhost:65535", True), ("[::1]:9464", True), ("127.1.2.3:1", True)]
+    + [("0.0.0.0:1", False), ("127.0.0.1:", False), ("127.0.0.1:123456", False), ("example.org:1", False)]
+    + [("127.0.0.1:65536", False), ("127.0.0.1:99999", False), ("127.0.0.256:1", False), ("127.0.0.1", False)]
+    + [("127.0.0.1:-1", False), ("127.0.0.1:٣", False), (":1", False), ("::1:1", False)],
 )
 def test_metrics_are_for_this_machine_only(address: str, local: bool) -> None:
     if local:

@@ -1,6 +1,7 @@
 """Full scale and stillness are counted, channel by channel."""
 
 import numpy as np
+import pytest
 
 from daemon.reception.channel_watch import ChannelWatch
 from protocol.device_info import Channel
@@ -82,3 +83,11 @@ def test_a_tenth_of_a_second_at_one_count_is_flat() -> None:
         seen.watch(np.full((n, 1), 7, dtype=np.int16))
         assert seen.flat.tolist() == [flat]
     assert seen.take().flat.tolist() == [6] and seen.take().flat.tolist() == [0]
+
+
+@pytest.mark.parametrize("rate_hz", [0.1, 1.0, 4.9, 50.0])
+def test_of_a_slow_device_ten_samples_at_one_count_are_flat(rate_hz: float) -> None:
+    seen = ChannelWatch([Channel(name, 1.0, 0.0, 100.0) for name in ("moves", "stands")], rate_hz)
+    for k in range(1, 13):
+        seen.watch(np.array([[7 * k, 7]], dtype=np.int16))
+    assert seen.flat.tolist() == [0, 2]  # the first count differs from none before it

@@ -114,6 +114,26 @@ def test_where_numbers_are_missing_the_hosts_clock_decides(
     assert not guarded.guard.unplugged and guarded.guard.is_off == (shown == 0)
 
 
+@pytest.mark.parametrize(
+    ("ticks", "lost"),
+    [
+        (4 * P, 4),  # a frame like the smallest
+        (7 * P, 7),
+        (N * P, N),
+        (4 * P - 600, N),  # the clock went back: as many as the frame before had
+        (N * P + 600, N),
+    ],
+)
+def test_a_clock_is_believed_between_the_smallest_and_the_largest_of_frames(ticks: int, lost: int) -> None:
+    guarded = Guarded()
+    guarded.take(SamplesFrame(10, 10 * FRAME, np.zeros((4, 3), dtype=np.int16)))
+    guarded.take(SamplesFrame(11, 10 * FRAME + 4 * P, np.zeros((N, 3), dtype=np.int16)))
+    guarded.otherwise_s = -0.1
+    guarded.take(SamplesFrame(13, 11 * FRAME + 4 * P + ticks, np.zeros((N, 3), dtype=np.int16)))
+    assert guarded.ledger.lost_samples == lost
+    assert guarded.guard.errors == (ticks % P != 0)
+
+
 @pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
 def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: bool) -> None:
     guarded = Guarded()

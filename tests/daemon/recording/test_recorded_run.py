@@ -15,7 +15,6 @@ from daemon.recording.recorded_run import (
     blocks_of,
     counts_of,
     device_of,
-    files_of,
 )
 from limbcal.errors import DataError
 from protocol.device_info import DeviceInfo
@@ -24,27 +23,6 @@ from protocol.recording import RecordingWriter
 
 MakeInfo = Callable[..., DeviceInfo]
 T0_NS, DT_S = 1_700_000_000_000_000_000, 1.0 / 8000.0
-
-
-@pytest.mark.parametrize(
-    ("there", "asked", "found"),
-    [
-        (["day"], "day", ["day"]),
-        (["day", "day-002", "day-003"], "day", ["day", "day-002", "day-003"]),
-        (["day", "day-002", "day-003"], "day-002", ["day-002", "day-003"]),
-        (["day", "day-002", "day-004"], "day", ["day", "day-002"]),
-        (["day", "day-001", "day-002"], "day", ["day", "day-002"]),
-        (["arm-123", "arm-123-002"], "arm-123", ["arm-123", "arm-123-002"]),
-        (["arm-12", "arm-12-002", "arm"], "arm-12", ["arm-12", "arm-12-002"]),
-        (["arm-1234", "arm-1234-002", "arm"], "arm-1234", ["arm-1234", "arm-1234-002"]),
-        (["arm-new", "arm-new-002", "arm"], "arm-new", ["arm-new", "arm-new-002"]),
-        (["day", *(f"day-{k:03d}" for k in range(2, 13))], "day-009", [f"day-{k:03d}" for k in range(9, 13)]),
-    ],
-)
-def test_those_that_follow_by_number(tmp_path: Path, there: list[str], asked: str, found: list[str]) -> None:
-    for name in there:
-        (tmp_path / f"{name}.mcap").touch()
-    assert files_of(tmp_path / f"{asked}.mcap") == [tmp_path / f"{name}.mcap" for name in found]
 
 
 def recorded(path: Path, blocks: list[Block], device: dict[str, Any] | None = None) -> Path:
@@ -99,6 +77,24 @@ def test_blocks_go_on_from_file_to_file(tmp_path: Path) -> None:
         (k, T0_NS + round(k * DT_S * 1e9), DT_S) for k in (0, 80, 160)
     ]
     np.testing.assert_array_equal(np.concatenate([one.a for one in found])[:, 3], np.arange(200.0))
+
+
+@pytest.mark.parametrize(
+    ("there", "asked", "found"),
+    [
+        ([1, 3, 4], 1, [1, 3, 4]),  # a number is used up by a file that could not be made
+        ([2, 3], 2, [2, 3]),  # somebody took the first away
+        ([1, 2, 3], 2, [2, 3]),
+        ([2, 4, 5], 4, [4, 5]),
+    ],
+)
+def test_a_run_goes_on_over_files_that_are_not_there(
+    tmp_path: Path, there: list[int], asked: int, found: list[int]
+) -> None:
+    files = {1: tmp_path / "run.mcap", **{k: tmp_path / f"run-{k:03d}.mcap" for k in range(2, 6)}}
+    for number in there:
+        recorded(files[number], [block(80 * number)])
+    assert [one.sample0 for one in blocks_of(files[asked])] == [80 * number for number in found]
 
 
 def test_counts_are_those_that_were_sent(make_info: MakeInfo) -> None:

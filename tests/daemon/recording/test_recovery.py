@@ -55,6 +55,17 @@ def test_a_recording_cut_anywhere_is_saved_up_to_half_a_second(
     assert recording_attachments(out) == {"arm.toml": b"arm", "limbd.toml": b"config"}
 
 
+@pytest.mark.parametrize("folder", ["br[old]", "br[/old]"])
+def test_a_path_is_said_as_it_is(
+    recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str], folder: str
+) -> None:
+    cut = tmp_path / folder / "cut.mcap"
+    cut.parent.mkdir(parents=True)
+    cut.write_bytes(recording.read_bytes()[:-200])
+    assert recover(cut)["warnings"]
+    assert f"{folder}/cut.mcap" in capsys.readouterr().err
+
+
 def test_the_command_says_what_it_saved(
     recording: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

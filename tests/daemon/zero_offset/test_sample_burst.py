@@ -1,5 +1,6 @@
 """Samples are taken from a real pty by the reader process, or what is in the way is said."""
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 from arm.arm_file import load_arm
 from daemon.zero_offset import sample_burst as module
 from daemon.zero_offset.sample_burst import sample_burst
-from limbcal.errors import DeviceError
+from limbcal.errors import ConfigError, DeviceError
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import encode_samples
 
@@ -45,6 +46,20 @@ def test_a_device_that_stays_silent_after_start(
     device = pty_device(make_info(8000.0))
     with pytest.raises(DeviceError, match="0 samples came and then none for 0.1 s, expected 8000"):
         sample_burst(device.path, BAUD, ARM, 1.0)
+
+
+@pytest.mark.parametrize(("rate_hz", "seconds", "samples", "expected"), [(1.0, 0.5, 0, 4), (5.0, 0.6, 3, 0.8)])
+def test_a_device_too_slow_for_the_time_that_was_asked_for(
+    pty_device: MakeDevice, make_info: MakeInfo, rate_hz: float, seconds: float, samples: int, expected: float
+) -> None:
+    device = pty_device(make_info(rate_hz))
+    said = (
+        f"--seconds is {seconds:g}, at the device's {rate_hz:g} Hz {samples} samples; "
+        f"expected 4 or more, --seconds {expected:g}"
+    )
+    with pytest.raises(ConfigError, match=re.escape(said)):
+        sample_burst(device.path, BAUD, ARM, seconds)
+    assert b"START" not in device.commands
 
 
 def test_another_arms_device(pty_device: MakeDevice, make_info: MakeInfo) -> None:

@@ -6,7 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.arm_file import load_arm
+from arm.arm_file import load_arm, save_arm
 from daemon.config.config import load_setup
 from daemon.zero_offset import zero_offset as module
 from daemon.zero_offset.zero_offset import bias_at_rest, zero_sensors
@@ -63,6 +63,17 @@ def test_more_than_three_metres_per_second_squared_are_no_bias(
     assert "bias, m/s²" in text and "written to" in text
 
 
+def test_a_sensor_is_called_what_the_arms_file_calls_it(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    first, *others = ARM.sensors
+    save_arm(replace(ARM, sensors=(replace(first, name="s[old]"), *others)), tmp_path / "arm.toml")
+    measured(monkeypatch, np.zeros(12))
+    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": str(tmp_path / "arm.toml")}})
+    zero_sensors(setup, 1.0, None)
+    assert "s[old]" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize(("step", "at_s", "cell"), [(0.02, 0.35, "0.4"), (0.02, 0.75, "0.8")])
 def test_where_and_when_an_arm_moved_is_said(step: float, at_s: float, cell: str) -> None:
     moved = readings(np.zeros(12)) * 1.0
@@ -81,3 +92,9 @@ def test_a_sensor_without_gravity_is_off_by_all_that_it_reads() -> None:
     felt = bias_at_rest(ARM, np.zeros(2), readings(np.zeros(12)), RATE_HZ)
     np.testing.assert_allclose(felt.bias_m_s2, np.zeros((4, 3)), atol=1e-9)
     assert felt.bias_m_s2.shape == felt.std.shape == (4, 3)
+
+
+def test_four_samples_tell_a_bias_and_its_error() -> None:
+    level = np.tile([0.0, 0.0, G], 4) + 0.01 * np.random.default_rng(1).standard_normal((4, 12))
+    found = bias_at_rest(ARM, np.zeros(2), level, 1.0)
+    assert np.all(np.isfinite(found.bias_m_s2)) and np.all(np.isfinite(found.std)) and np.all(found.std > 0.0)

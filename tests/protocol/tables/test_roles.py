@@ -127,6 +127,28 @@ def test_a_role_may_be_a_sum_of_columns(source):
         plan_of(source, "t", "a", "q2", mapping="q1=a-c,q2=q2")
 
 
+def test_a_number_beside_a_column_in_another_unit_is_said(source):
+    plan = plan_of(source, "t", "q1 [deg]", "q2 [deg]", mapping="q=180-q{j}")
+    assert plan.sums["q"].constant.tolist() == [180.0, 180.0]
+    assert texts(plan)[1:] == [
+        "the number in 180-q1, 180-q2 is taken in rad, beside a column in deg; if it is in deg, "
+        "expected ':deg' behind it in the mapping"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("names", "mapping"),
+    [
+        (("q1 [deg]", "q2 [deg]"), "q=180-q{j}:deg"),  # its unit is said
+        (("q1 [rad]", "q2 [rad]"), "q=3-q{j}"),
+        (("q1", "q2"), "q=3-q{j}"),
+        (("q1 [deg]", "q2 [deg]"), "q=2*q{j}"),  # a factor has no unit
+    ],
+)
+def test_a_number_in_the_unit_of_its_column_is_nothing_to_say(source, names, mapping):
+    assert not any("the number in" in text for text in texts(plan_of(source, "t", *names, mapping=mapping)))
+
+
 def test_a_name_with_a_sign_in_it_is_a_name(source):
     plan = plan_of(source, "t", "a-b", "a", "b", "q2", mapping="q1=a-b,q2=q2")
     assert addresses(plan)["q"] == ["a-b", "q2"] and not plan.sums
