@@ -3,13 +3,9 @@
 import argparse
 import math
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from daemon.commands.options import not_negative, positive, whole
 from daemon.virtual_device.fault_schedule import KINDS, faults_of
-
-if TYPE_CHECKING:
-    from daemon.virtual_device.virtual_loop import VirtualOptions
 
 #: As it stands in the help.
 EXAMPLE = "limbd virtual --link device --trials 5"
@@ -54,17 +50,10 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 
 def be_device(arguments: argparse.Namespace) -> None:
     """Be a device until a stop is asked for."""
-    from daemon.virtual_device.virtual_loop import serve
-
-    serve(options_of(arguments, arguments.json))
-
-
-def options_of(arguments: argparse.Namespace, as_json: bool) -> "VirtualOptions":
-    """Return which device is asked for."""
     from arm.arm_file import load_arm
     from daemon.virtual_device.bench_plan import BenchPlan
     from daemon.virtual_device.virtual_device import Timing
-    from daemon.virtual_device.virtual_loop import VirtualOptions
+    from daemon.virtual_device.virtual_loop import VirtualOptions, serve
 
     clock = 1.0 + 1e-6 * arguments.clock_ppm
     sampled_hz = clock * (arguments.sampled_hz or arguments.rate_hz)
@@ -79,16 +68,18 @@ def options_of(arguments: argparse.Namespace, as_json: bool) -> "VirtualOptions"
         highpass_hz=arguments.highpass_hz,
     )
     faults = faults_of(arguments.fault)
-    return VirtualOptions(
-        plan=plan,
-        claimed_hz=arguments.rate_hz,
-        timing=timing,
-        speed=arguments.speed,
-        link=arguments.link,
-        truth=arguments.truth,
-        as_json=as_json,
-        faults=faults,
-        patient=arguments.patient,
+    serve(
+        VirtualOptions(
+            plan=plan,
+            claimed_hz=arguments.rate_hz,
+            timing=timing,
+            speed=arguments.speed,
+            link=arguments.link,
+            truth=arguments.truth,
+            as_json=arguments.json,
+            faults=faults,
+            patient=arguments.patient,
+        )
     )
 
 

@@ -21,7 +21,6 @@ from limbcal.command import console, emit
 from limbcal.errors import DeviceError
 from limbcal.real_time import DEVICE, ask_for_real_time
 from protocol.deadline import Ticker
-from protocol.device_info import DeviceInfo
 
 #: Period in which frames that are due are made [s]: so long that it costs little, so short that a tty holds them.
 _BEAT_S = 0.005
@@ -63,7 +62,8 @@ def serve(options: VirtualOptions) -> None:
     """
     plan = options.plan
     info = device_info(plan.arm, options.claimed_hz, plan.seed)
-    fifo = FrameFifo(memory_for(info, options))
+    stream_bytes_s = plan.rate_hz * options.speed * len(info.channels) * _BYTES_PER_SAMPLE_OF_A_CHANNEL
+    fifo = FrameFifo(round(_FIFO_S * stream_bytes_s) + 65536)
     line = FaultyLine(fifo, plan.seed)
     with StopSignal() as stop, VirtualPort(options.link) as port:
         device = VirtualDevice(
@@ -91,12 +91,6 @@ def serve(options: VirtualOptions) -> None:
                 console.print(f"frames hit by faults: {hits}")
             if options.truth is not None:
                 _write_truth(options.truth, device)
-
-
-def memory_for(info: DeviceInfo, options: VirtualOptions) -> int:
-    """Return how many bytes the device can hold back for its host."""
-    stream_bytes_s = options.plan.rate_hz * options.speed * len(info.channels) * _BYTES_PER_SAMPLE_OF_A_CHANNEL
-    return round(_FIFO_S * stream_bytes_s) + 65536
 
 
 def _serve(

@@ -21,7 +21,6 @@ from numpy.typing import NDArray
 
 from protocol.device_info import Channel, DeviceInfo
 from protocol.serial_frame import encode_info
-from tests.daemon.virtual_arm import VirtualArm
 from tests.patience import PATIENCE_S
 
 SCALE = 0.0015
@@ -173,20 +172,6 @@ def limbd(tmp_path: Path) -> Iterator[Callable[..., Program]]:
     yield start
     for program in reversed(programs):
         program.cleanup()
-
-
-@pytest.fixture
-def virtual_arm() -> Iterator[Callable[..., VirtualArm]]:
-    """Be `limbd virtual` with some arguments, in this process."""
-    arms: list[VirtualArm] = []
-
-    def make(*arguments: str) -> VirtualArm:
-        arms.append(VirtualArm(*arguments))
-        return arms[-1]
-
-    yield make
-    for arm in arms:
-        arm.stop()
 
 
 @pytest.fixture

@@ -1,4 +1,4 @@
-"""The virtual arm and the daemon with faults; what was published is held against what the device sent."""
+"""The virtual arm and the daemon run with faults; what was published is held against what the device sent."""
 
 from collections.abc import Callable, Sequence
 from pathlib import Path
@@ -14,13 +14,11 @@ from arm.counts import COUNT_M_S2
 from daemon.virtual_device.virtual_motion import BenchPlan, stretches
 from protocol.message import GAP, HEALTH, RAW
 from protocol.subscriber import Subscriber
-from tests.daemon.virtual_arm import VirtualArm
 from tests.patience import PATIENCE_MS
 
 Fields = dict[str, Any]
 Heard = dict[str, list[Fields]]
 Limbd = Callable[..., Any]
-NewArm = Callable[..., VirtualArm]
 SEED = 3
 
 
@@ -37,7 +35,6 @@ def sent(rate_hz: float, samples: int) -> NDArray[np.int16]:
 
 def live_run(
     limbd: Limbd,
-    virtual_arm: NewArm,
     folder: Path,
     schedule: str,
     rate_hz: float,
@@ -45,8 +42,8 @@ def live_run(
     hear: Callable[[str, Fields], None] = lambda _topic, _fields: None,
     device_options: Sequence[str] = (),
     method: str = "integrate",
-) -> tuple[Heard, VirtualArm]:
-    """Let the device send samples, faults among them; return all messages by topic, and the device.
+) -> tuple[Heard, str]:
+    """Let the device send samples, faults among them; return all messages by topic, and what it said last.
 
     ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says.
     """
@@ -60,8 +57,10 @@ def live_run(
         str(SEED),
         *(("--fault", schedule) if schedule else ()),
         *device_options,
+        "--json",
     )
-    device = virtual_arm(*arguments)
+    device = limbd("virtual", *arguments)
+    device.announcement()
     config = folder / "limbd.toml"
     config.write_text(
         f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "{method}"\n'
@@ -73,15 +72,15 @@ def live_run(
         daemon.announcement()
         while not heard[HEALTH] or heard[HEALTH][-1]["samples"] + heard[HEALTH][-1]["lost_samples"] < samples:
             topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
-            assert device.alive  # heartbeats alone would go on for ever
+            assert device.process.poll() is None, device.said  # heartbeats alone would go on for ever
             heard[topic].append(fields)
             hear(topic, fields)
         assert daemon.stop() == 0
         while (message := subscriber.receive(500)) is not None:
             heard[message[0]].append(message[1])
         assert not subscriber.missed
-    device.stop()
-    return heard, device
+    assert device.stop() == 0
+    return heard, device.said
 
 
 def check(heard: Heard, truth: NDArray[np.int16]) -> None:

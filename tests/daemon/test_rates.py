@@ -7,7 +7,7 @@ import pytest
 
 from daemon.recording.recorded_run import blocks_of, device_of
 from protocol.message import GAP, HEALTH, RAW
-from tests.daemon.live_run import Limbd, NewArm, check, live_run, sent
+from tests.daemon.live_run import Limbd, check, live_run, sent
 
 #: A test machine may be busy, or full.
 OF_THE_MACHINE = {"behind", "disk"}
@@ -23,17 +23,12 @@ PPM = 1e-6
     ],
 )
 def test_a_rate_is_followed_and_said(
-    limbd: Limbd,
-    virtual_arm: NewArm,
-    tmp_path: Path,
-    claimed_hz: float,
-    sampled_hz: float,
-    options: tuple[str, ...],
+    limbd: Limbd, tmp_path: Path, claimed_hz: float, sampled_hz: float, options: tuple[str, ...]
 ) -> None:
     given = ("--sampled-hz", str(sampled_hz), *options)
     method = "integrate" if claimed_hz > 1000.0 else "filter"
     heard, _ = live_run(
-        limbd, virtual_arm, tmp_path, "", claimed_hz, round(4.0 * sampled_hz), device_options=given, method=method
+        limbd, tmp_path, "", claimed_hz, round(4.0 * sampled_hz), device_options=given, method=method
     )
     check(heard, sent(sampled_hz, round(10.0 * sampled_hz)))
     last = heard[HEALTH][-1]
@@ -50,13 +45,11 @@ def test_a_rate_is_followed_and_said(
     assert rate_hz == pytest.approx(sampled_hz, rel=0.005)
 
 
-def test_a_clock_without_a_crystal_is_followed_by_the_hosts(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path
-) -> None:
+def test_a_clock_without_a_crystal_is_followed_by_the_hosts(limbd: Limbd, tmp_path: Path) -> None:
     ppm = -40_000.0
     sampled_hz = 4000.0 * (1.0 + PPM * ppm)
     given = ("--clock-ppm", str(ppm))
-    heard, _ = live_run(limbd, virtual_arm, tmp_path, "", 4000.0, round(6.0 * sampled_hz), device_options=given)
+    heard, _ = live_run(limbd, tmp_path, "", 4000.0, round(6.0 * sampled_hz), device_options=given)
     last = heard[HEALTH][-1]
     assert heard[GAP] == [] and last["lost_samples"] == 0
     off_ppm = (last["rate_hz"] / sampled_hz - 1.0) / PPM
@@ -67,20 +60,18 @@ def test_a_clock_without_a_crystal_is_followed_by_the_hosts(
     assert alarm["name"] == "rate" and "slower than the 4000 Hz of its INFO" in alarm["found"]
 
 
-def test_a_recording_of_a_rate_that_was_measured_is_replayed_by_it(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path
-) -> None:
-    device = virtual_arm("--rate-hz", "4000", "--sampled-hz", "3840", "--seed", "3")
+def test_a_recording_of_a_rate_that_was_measured_is_replayed_by_it(limbd: Limbd, tmp_path: Path) -> None:
+    device = limbd("virtual", "--rate-hz", "4000", "--sampled-hz", "3840", "--seed", "3", "--json")
+    port = device.announcement()["port"]
     endpoint = ("--endpoint", f"ipc://{tmp_path}/frames")
     folders = tmp_path / "first", tmp_path / "second"
     run = ("--arm", "dd-arm", "--method", "integrate", *endpoint, "--json")
-    daemon = limbd("run", "--port", device.path, *run, "--record", str(folders[0]))
+    daemon = limbd("run", "--port", port, *run, "--record", str(folders[0]))
     first = Path(daemon.announcement()["recording"])
     status = limbd("status", *endpoint, "--json")
     status.announcement()
     status.stop()
-    assert daemon.stop() == 0
-    device.stop()
+    assert (daemon.stop(), device.stop()) == (0, 0)
     replay = limbd("run", "--replay", str(first), *endpoint, "--json", "--record", str(folders[1]), "--speed", "4")
     second = Path(replay.announcement()["recording"])
     assert replay.wait() == 0

@@ -1,5 +1,6 @@
 """A recording is a device again: `limbd run --replay`, and the same motion bit for bit."""
 
+from collections.abc import Callable
 from dataclasses import asdict
 from pathlib import Path
 from typing import Any
@@ -15,9 +16,9 @@ from protocol.recording import RecordingWriter
 from protocol.recording_reader import read_recording
 from protocol.subscriber import Subscriber
 from tests.daemon.conftest import device_info
-from tests.daemon.live_run import Limbd, NewArm
 from tests.patience import PATIENCE_MS
 
+Limbd = Callable[..., Any]
 Fields = dict[str, Any]
 ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 #: What of a message is of the process that sent it and not of the arm.
@@ -38,25 +39,26 @@ def differing(one: Fields, other: Fields) -> set[str]:
 
 
 #: Of the device [Hz]; what is lost and found again is the same at any rate.
-RATE_HZ = 2000
+RATE_HZ = 4000
 
 
 @pytest.mark.parametrize("method", ["filter", "integrate"])
-def test_a_replay_is_the_run_bit_for_bit(limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, method: str) -> None:
-    faults = "drop@0.8+0.6*0.05, unplug@1.5+0.3, restart@2.3, flip@3+0.5*4e-4"
-    arguments = ("--rate-hz", f"{RATE_HZ}", "--seed", "5", "--trials", "1", "--fault", faults)
-    device = virtual_arm("--link", str(tmp_path / "device"), *arguments)
+def test_a_replay_is_the_run_bit_for_bit(limbd: Limbd, tmp_path: Path, method: str) -> None:
+    faults = "drop@2+1*0.02, unplug@3+0.3, restart@4, flip@5+1*1e-4"
+    arguments = ("--rate-hz", f"{RATE_HZ}", "--seed", "5", "--trials", "1", "--fault", faults, "--json")
+    device = limbd("virtual", "--link", str(tmp_path / "device"), *arguments)
+    device.announcement()
     into = ("--record", str(tmp_path / "first"), *ANY_ENDPOINT, "--json")
     daemon = limbd("run", "--port", str(tmp_path / "device"), "--arm", "dd-arm", "--method", method, *into)
     announced = daemon.announcement()
     first = Path(announced["recording"])
     with zmq.Context() as context, Subscriber(context, announced["endpoint"], [HEALTH]) as subscriber:
         samples = 0
-        while samples < 4.0 * RATE_HZ:
+        while samples < 6.5 * RATE_HZ:
             _, health = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
             samples = health["samples"] + health["lost_samples"]
     assert daemon.stop() == 0
-    device.stop()
+    assert device.stop() == 0
     assert recorded(first, HEALTH)[-1]["lost_samples"] > 0.25 * RATE_HZ
 
     again = ("--replay", str(first), "--speed", "2", "--record", str(tmp_path / "second"))

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from protocol.message import GAP, HEALTH, RAW
-from tests.daemon.live_run import Fields, Limbd, NewArm, check, live_run, sent
+from tests.daemon.live_run import Fields, Limbd, check, live_run, sent
 
 RATE_HZ = 8000.0
 HOUR_NS = 3600 * 10**9
@@ -33,7 +33,7 @@ def shim(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, shim: Path, monkeypatch: pytest.MonkeyPatch
+    limbd: Limbd, tmp_path: Path, shim: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     ahead, due = tmp_path / "ahead", dict(SET)
 
@@ -48,7 +48,7 @@ def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
     ahead.write_bytes(bytes(8))
     monkeypatch.setenv("SET_CLOCK", str(ahead))
     monkeypatch.setenv("LD_PRELOAD", str(shim))
-    heard, _ = live_run(limbd, virtual_arm, tmp_path, "", RATE_HZ, 96_000, hear)
+    heard, _ = live_run(limbd, tmp_path, "", RATE_HZ, 96_000, hear)
     check(heard, sent(RATE_HZ, 120_000))
     # A machine that is busy with other work may lose frames of the tty: that is said, and moves no stamp either.
     sets = [gap for gap in heard[GAP] if gap["why"].startswith("the host's clock was set")]

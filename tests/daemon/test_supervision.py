@@ -13,7 +13,8 @@ import pytest
 from limbcal.notify import notify
 from protocol.device_info import DeviceInfo
 from tests.daemon.conftest import wait_until
-from tests.daemon.live_run import Limbd, NewArm
+
+Limbd = Callable[..., Any]
 
 
 class Manager:
@@ -61,7 +62,7 @@ def manager(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Manager
 
 
 def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
-    limbd: Limbd, virtual_arm: NewArm, manager: Manager, tmp_path: Path
+    limbd: Limbd, manager: Manager, tmp_path: Path
 ) -> None:
     link = tmp_path / "device"
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
@@ -69,7 +70,8 @@ def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
     wait_until(lambda: len(manager.values("WATCHDOG")) >= 3, "the waiting daemon was heard three times")
     assert manager.values("READY")
     assert manager.values("STATUS")[-1].startswith("waiting for a device: port ")
-    device = virtual_arm("--link", str(link), "--rate-hz", "8000")
+    device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
+    device.announcement()
     pipeline = daemon.announcement()["processes"]["pipeline"]
     wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it said that it streams")
     fed = len(manager.values("WATCHDOG"))
@@ -104,9 +106,7 @@ def test_a_device_that_says_nothing_is_not_readiness(
     assert daemon.stop() == 0
 
 
-def test_a_silent_device_is_waited_for_where_one_is(
-    limbd: Limbd, virtual_arm: NewArm, manager: Manager, tmp_path: Path
-) -> None:
+def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manager, tmp_path: Path) -> None:
     link = tmp_path / "device"
     master, slave = os.openpty()
     link.symlink_to(os.ttyname(slave))
@@ -118,11 +118,13 @@ def test_a_silent_device_is_waited_for_where_one_is(
         said = "expected the device's INFO frame; waiting for it"
         wait_until(lambda: said in daemon.said, "it says that it waits")
         link.unlink()
-        virtual_arm("--link", str(link), "--rate-hz", "8000")
+        device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
+        device.announcement()
         daemon.announcement()
         wait_until(lambda: f"streaming from {link}" in manager.values("STATUS"), "it streams")
         assert len(manager.values("WATCHDOG_USEC")) >= 2
         assert daemon.stop() == 0
+        assert device.stop() == 0
     finally:
         os.close(master)
         os.close(slave)

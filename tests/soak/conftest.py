@@ -1,5 +1,5 @@
 """The programs of the daemon's tests, for longer."""
 
-from tests.daemon.conftest import limbd, virtual_arm
+from tests.daemon.conftest import limbd
 
-__all__ = ["limbd", "virtual_arm"]
+__all__ = ["limbd"]

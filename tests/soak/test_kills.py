@@ -12,7 +12,7 @@ from daemon.__main__ import main
 from protocol.message import FRAMES
 from protocol.recording_reader import read_recording
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import Limbd, NewArm
+from tests.daemon.live_run import Limbd
 from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
@@ -24,16 +24,17 @@ def end_ns(fields: dict[str, int | float]) -> float:
 
 
 def test_a_kill_costs_a_second_at_most(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, long: Long, capfd: pytest.CaptureFixture[str]
+    limbd: Limbd, tmp_path: Path, long: Long, capfd: pytest.CaptureFixture[str]
 ) -> None:
     rng = random.Random(5)
-    device = virtual_arm("--rate-hz", str(RATE_HZ))
+    device = limbd("virtual", "--link", str(tmp_path / "device"), "--rate-hz", str(RATE_HZ), "--json")
+    device.announcement()
     lost_s: list[float] = []
     for k in range(long.of(100, 3)):
         endpoint = f"ipc://{tmp_path}/frames{k}"
         into = ("--method", "integrate", "--record", str(tmp_path / "rec"), "--endpoint", endpoint, "--json")
         with zmq.Context() as context, Subscriber(context, endpoint, [FRAMES]) as subscriber:
-            daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", *into)
+            daemon = limbd("run", "--port", str(tmp_path / "device"), "--arm", "dd-arm", *into)
             announced = daemon.announcement()
             heard_ns, moment = 0.0, rng.uniform(0.0, 3.0)
             first_ns: float | None = None
@@ -58,5 +59,5 @@ def test_a_kill_costs_a_second_at_most(
         assert found["messages"] > 0 or heard_ns < first_ns + 1e9
         recording.unlink()
         out.unlink()
-    device.stop()
+    assert device.stop() == 0
     long.note(f"SIGKILL at {len(lost_s)} random moments: {max(lost_s):.2f} s lost at most; recovered each time")

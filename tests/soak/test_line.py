@@ -3,21 +3,19 @@
 from pathlib import Path
 
 from protocol.message import GAP, HEALTH
-from tests.daemon.live_run import Limbd, NewArm, check, live_run, sent
+from tests.daemon.live_run import Limbd, check, live_run, sent
 from tests.soak import Long
 
 FRAME = 32
 
 
-def test_no_damaged_frame_is_published_and_no_other_is_lost(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, long: Long
-) -> None:
-    rate_hz, seconds, share = long.of((32_000.0, 60, 1e-5), (4_000.0, 4, 2e-4))
+def test_no_damaged_frame_is_published_and_no_other_is_lost(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    rate_hz, seconds, share = long.of((32_000.0, 60, 1e-5), (8_000.0, 6, 1e-4))
     samples = round(seconds * rate_hz)
-    heard, device = live_run(limbd, virtual_arm, tmp_path, f"flip@0+{seconds + 60}*{share}", rate_hz, samples)
+    heard, said = live_run(limbd, tmp_path, f"flip@0+{seconds + 60}*{share}", rate_hz, samples)
     check(heard, sent(rate_hz, samples + round(20 * rate_hz)))
     last = heard[HEALTH][-1]
-    assert device.hits["flip"] == last["crc_errors"]
+    assert f"{last['crc_errors']} by flip" in said
     # The INFO and what comes after the last good frame leave no hole behind them.
     assert 0 <= last["crc_errors"] - last["lost_samples"] / FRAME <= 2 and last["lost_samples"] > 0
     assert all(gap["exact"] for gap in heard[GAP])
@@ -27,11 +25,11 @@ def test_no_damaged_frame_is_published_and_no_other_is_lost(
     )
 
 
-def test_a_cable_is_pulled_again_and_again(limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, long: Long) -> None:
-    rate_hz, cycles = long.of((8_000.0, 50), (4_000.0, 3))
+def test_a_cable_is_pulled_again_and_again(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    rate_hz, cycles = 8_000.0, long.of(50, 3)
     away_s, every_s = 0.3, 2.5
     samples = round((cycles * every_s + 1.0) * rate_hz)
-    heard, _ = live_run(limbd, virtual_arm, tmp_path, f"unplug@1+{away_s}/{every_s}", rate_hz, samples)
+    heard, _ = live_run(limbd, tmp_path, f"unplug@1+{away_s}/{every_s}", rate_hz, samples)
     check(heard, sent(rate_hz, samples + round(20 * rate_hz)))
     gone_s = [gap["samples"] / rate_hz for gap in heard[GAP]]
     assert {gap["why"] for gap in heard[GAP]} == {"unplugged"}

@@ -7,6 +7,7 @@ import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 import msgpack
@@ -16,7 +17,7 @@ import zmq
 from protocol.message import FRAMES, HEALTH, decode
 from protocol.subscriber import Subscriber
 from tests import hostile
-from tests.daemon.live_run import Limbd, NewArm
+from tests.daemon.live_run import Limbd
 from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
@@ -124,11 +125,11 @@ class Honest:
             self.received, self._last = self.received + 1, seq
 
 
-def test_ten_hostile_ones_harm_none_of_fifty(limbd: Limbd, virtual_arm: NewArm, long: Long) -> None:
-    seconds = long.of(120.0, 3.0)
-    device = virtual_arm("--rate-hz", str(RATE_HZ), "--trials", "1000")
+def test_ten_hostile_ones_harm_none_of_fifty(limbd: Limbd, tmp_path: Path, long: Long) -> None:
+    seconds = long.of(120.0, 6.0)
+    device = limbd("virtual", "--rate-hz", str(RATE_HZ), "--trials", "1000", "--json")
     to = ("--method", "integrate", "--endpoint", "tcp://127.0.0.1:*", "--json")
-    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", *to)
+    daemon = limbd("run", "--port", device.announcement()["port"], "--arm", "dd-arm", *to)
     announced = daemon.announcement()
     endpoint = announced["endpoint"]
     pipeline = psutil.Process(announced["processes"]["pipeline"])
@@ -164,7 +165,7 @@ def test_ten_hostile_ones_harm_none_of_fifty(limbd: Limbd, virtual_arm: NewArm, 
             for one in honest:
                 one.subscriber.close()
     assert daemon.stop() == 0
-    device.stop()
+    assert device.stop() == 0
     assert [one.missed for one in honest] == [0] * HONEST
     assert first.health is not None
     assert first.health["lost_samples"] == 0

@@ -73,13 +73,13 @@ def sample_frames(counts: NDArray[np.int16], skip: frozenset[int] = frozenset())
 def test_the_virtual_arm_is_followed_without_loss(
     limbd: Limbd, subscribe: Callable[..., Subscriber], tmp_path: Path
 ) -> None:
-    plan = BenchPlan(load_arm("dd-arm"), seed=3, rate_hz=8000.0, trials=1)
+    plan = BenchPlan(load_arm("dd-arm"), seed=3, rate_hz=16000.0, trials=1)
     link = tmp_path / "device"
     arguments = (
         "--link",
         str(link),
         "--rate-hz",
-        "8000",
+        "16000",
         "--seed",
         "3",
         "--trials",
@@ -97,10 +97,10 @@ def test_the_virtual_arm_is_followed_without_loss(
     )
     daemon = limbd("run", "--config", str(config), "--record", str(tmp_path / "rec"), "--json")
     announced = daemon.announcement()
-    assert announced["rate_hz"] == 8000.0
+    assert announced["rate_hz"] == 16000.0
     subscriber = subscribe(announced["endpoint"], "")
     heard: dict[str, list[Fields]] = {}
-    while not (health := heard.get(HEALTH)) or health[-1]["samples"] < 6 * 8000:
+    while not (health := heard.get(HEALTH)) or health[-1]["samples"] < 8 * 16000:
         topic, fields = receive(subscriber)
         heard.setdefault(topic, []).append(fields)
     assert daemon.stop() == 0
@@ -140,7 +140,7 @@ def test_the_virtual_arm_is_followed_without_loss(
     raw = recorded(announced["recording"], RAW)
     a = np.concatenate([block["a"] for block in raw])
     sent = np.concatenate([s.counts for s, _ in zip(stretches(plan), range(20), strict=False)])[: len(a)]
-    assert len(a) > 6 * 8000
+    assert len(a) > 8 * 16000
     np.testing.assert_array_equal(np.rint(a / COUNT), sent)
     assert [block["sample0"] for block in raw] == np.cumsum([0, *(block["n"] for block in raw)])[:-1].tolist()
     heard_raw = heard[RAW][0]

@@ -3,6 +3,7 @@
 import io
 import json
 import threading
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,16 +16,16 @@ from daemon.monitoring.status_view import _first, _next, view_of
 from limbcal.errors import DeviceError
 from protocol.message import HEALTH
 from protocol.publisher import Publisher
-from tests.daemon.live_run import Limbd, NewArm
+
+Limbd = Callable[..., Any]
 
 
-def test_a_running_daemon_tells_how_it_is(
-    limbd: Limbd, virtual_arm: NewArm, tmp_path: Path, capfd: pytest.CaptureFixture[str]
-) -> None:
-    endpoint = f"ipc://{tmp_path}/frames"
-    device = virtual_arm("--rate-hz", "8000")
+def test_a_running_daemon_tells_how_it_is(limbd: Limbd, tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    link, endpoint = tmp_path / "device", f"ipc://{tmp_path}/frames"
+    device = limbd("virtual", "--link", str(link), "--rate-hz", "8000", "--json")
+    device.announcement()
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", endpoint, "--json")
-    daemon = limbd("run", "--port", device.path, *to)
+    daemon = limbd("run", "--port", str(link), *to)
     daemon.announcement()
     assert main(["status", "--endpoint", endpoint, "--once", "--json"]) == 0
     health = json.loads(capfd.readouterr().out)
@@ -39,6 +40,7 @@ def test_a_running_daemon_tells_how_it_is(
     assert live.announcement()["connected"]
     assert live.stop() == 0
     assert daemon.stop() == 0
+    assert device.stop() == 0
 
 
 def test_what_is_known_is_shown() -> None:

@@ -2,6 +2,7 @@
 
 import socket
 import urllib.request
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +13,9 @@ from daemon.config.config import load_setup
 from daemon.monitoring.metrics import Metrics
 from limbcal.errors import ConfigError, DeviceError
 from tests.daemon.conftest import wait_until
-from tests.daemon.live_run import Limbd, NewArm
 from tests.patience import PATIENCE_S
+
+Limbd = Callable[..., Any]
 
 
 def free_port() -> int:
@@ -32,11 +34,11 @@ def scrape(port: int) -> dict[str, float]:
     }
 
 
-def test_a_running_daemon_is_scraped(limbd: Limbd, virtual_arm: NewArm, tmp_path: Path) -> None:
-    device = virtual_arm("--rate-hz", "8000")
+def test_a_running_daemon_is_scraped(limbd: Limbd, tmp_path: Path) -> None:
+    device = limbd("virtual", "--rate-hz", "8000", "--json")
     port, config = free_port(), tmp_path / "limbd.toml"
     config.write_text(
-        f'[device]\nport = "{device.path}"\n[arm]\nfile = "dd-arm"\n'
+        f'[device]\nport = "{device.announcement()["port"]}"\n[arm]\nfile = "dd-arm"\n'
         '[tracking]\nmethod = "integrate"\n'
         f'[publish]\nendpoint = "ipc://{tmp_path}/f"\n[metrics]\naddress = "127.0.0.1:{port}"\n'
     )
@@ -48,6 +50,7 @@ def test_a_running_daemon_is_scraped(limbd: Limbd, virtual_arm: NewArm, tmp_path
     assert found["limbcal_samples_lost_total"] == found["limbcal_checksum_errors_total"] == 0.0
     assert 0.0 < found["limbcal_latency_seconds 0.5"] <= found["limbcal_latency_seconds 0.99"]
     assert daemon.stop() == 0
+    assert device.stop() == 0
 
 
 def test_gaps_and_alarms_have_labels() -> None:

@@ -1,8 +1,10 @@
 """The biases that are found are those that the sensors have; an arm that moves has none to tell."""
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -15,8 +17,8 @@ from arm.bench import draw_sensor_errors
 from arm.model import Arm, Floats
 from daemon.zero_offset.zero_offset import bias_at_rest
 from limbcal.errors import NotIdentifiable
-from tests.daemon.live_run import Limbd, NewArm
 
+Limbd = Callable[..., Any]
 RATE_HZ = 4000.0
 ARM = load_arm("spatial-arm")
 NOISE_M_S2 = 0.02
@@ -62,17 +64,18 @@ def test_an_arm_that_moves_is_told_where(change: str) -> None:
         bias_at_rest(ARM, np.zeros(3), readings, RATE_HZ)
 
 
-def test_the_virtual_arms_biases_are_found(limbd: Limbd, virtual_arm: NewArm, tmp_path: Path) -> None:
+def test_the_virtual_arms_biases_are_found(limbd: Limbd, tmp_path: Path) -> None:
     seed = 4
-    device = virtual_arm("--trials", "0", "--seed", str(seed), "--rate-hz", "4000", "--speed", "2")
+    device = limbd("virtual", "--trials", "0", "--seed", str(seed), "--rate-hz", "16000", "--speed", "2", "--json")
+    port = device.announcement()["port"]
     out = tmp_path / "zeroed.toml"
-    zero = limbd("zero", "--port", device.path, "--arm", "dd-arm", "--seconds", "1", "--out", str(out), "--json")
+    zero = limbd("zero", "--port", port, "--arm", "dd-arm", "--seconds", "1", "--out", str(out), "--json")
     document = json.loads(zero.process.stdout.read())
     assert zero.wait() == 0
-    device.stop()
+    assert device.stop() == 0
     arm = load_arm("dd-arm")
     true = draw_sensor_errors(arm, np.random.default_rng([seed, 2])).bias_m_s2
-    assert (document["out"], document["seconds"], document["samples"]) == (str(out), 1.0, 4000)
+    assert (document["out"], document["seconds"], document["samples"]) == (str(out), 1.0, 16000)
     assert list(document["sensors"]) == [sensor.name for sensor in arm.sensors]
     found = np.array([sensor["bias_m_s2"] for sensor in document["sensors"].values()])
     std = np.array([sensor["std"] for sensor in document["sensors"].values()])
@@ -87,11 +90,12 @@ def test_the_virtual_arms_biases_are_found(limbd: Limbd, virtual_arm: NewArm, tm
     assert "±" in zero.said
 
 
-def test_a_virtual_arm_that_moves_is_refused(limbd: Limbd, virtual_arm: NewArm, tmp_path: Path) -> None:
-    device = virtual_arm("--trials", "1", "--rate-hz", "8000", "--speed", "2")
+def test_a_virtual_arm_that_moves_is_refused(limbd: Limbd, tmp_path: Path) -> None:
+    device = limbd("virtual", "--trials", "1", "--rate-hz", "8000", "--speed", "2", "--json")
+    port = device.announcement()["port"]
     out = tmp_path / "zeroed.toml"
-    zero = limbd("zero", "--port", device.path, "--arm", "dd-arm", "--out", str(out))
+    zero = limbd("zero", "--port", port, "--arm", "dd-arm", "--out", str(out))
     assert zero.wait() == 4
-    device.stop()
+    assert device.stop() == 0
     assert "error: the arm moves: " in zero.said
     assert not out.exists()
