@@ -56,7 +56,7 @@ def test_an_arm_without_effects_is_left_alone():
 
 
 def test_what_was_taken_out_is_said():
-    bias = Effect("sensor_bias", {"axis": 0, "bias_m_s2": 0.1}, (), ("s1",))
+    bias = Effect("sensor_bias", {"x_m_s2": 0.1, "y_m_s2": 0.0, "z_m_s2": 0.0}, (), ("s1",))
     arm = replace(ARM, effects=(*EFFECTS[:2], bias))
     (note,) = taken_out_notes(arm, without_effects(arm, ())[0])
     assert "joint_spring, rotor_inertia" in note.text and "sensor_bias" not in note.text
@@ -83,6 +83,8 @@ def test_under_a_law_the_motion_alone_is_fitted_with_them():
 
 
 def test_a_sensors_effect_is_no_part_of_the_torque():
-    arm = replace(ARM, effects=(Effect("sensor_bias", {"axis": 0, "bias_m_s2": 0.1}, (), ("s1",)),))
+    arm = replace(
+        ARM, effects=(Effect("sensor_bias", {"x_m_s2": 0.1, "y_m_s2": 0.0, "z_m_s2": 0.0}, (), ("s1",)),)
+    )
     assert without_effects(arm, [driven(ARM, 1)])[0] is arm
     assert np.isfinite(driven(ARM, 1).tau).all()
