@@ -13,7 +13,8 @@ from arm.bench import Bench
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from fitter.data.trial import Trial
-from fitter.kinematics.geometry_fit import GENERATIONS, KinematicsFit, fit_kinematics
+from fitter.kinematics.geometry_fit import GENERATIONS, fit_kinematics
+from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.report.published import SAMPLES, TABLE1
 from limbcal.digits import NORMAL_95
 from reproduction.bench_data import bench_trials, true_arm, unknown_arm

@@ -3,7 +3,8 @@
 import numpy as np
 
 from arm.bench import Bench
-from fitter.kinematics.geometry_fit import GENERATIONS, KinematicsFit, fit_kinematics
+from fitter.kinematics.geometry_fit import GENERATIONS, fit_kinematics
+from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.tip_basis import UNITS, geometry_names, geometry_of
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.published import TABLE2

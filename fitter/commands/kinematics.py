@@ -27,15 +27,8 @@ from fitter.commands.trial_sets import notes_of, trial_sets
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trial import Role, Trial
 from fitter.data.trials import load_trials
-from fitter.kinematics.geometry_fit import (
-    GENERATIONS,
-    LEAST_EXPLAINED,
-    KinematicsFit,
-    angle_noise_deg,
-    document,
-    fit_kinematics,
-    hardly,
-)
+from fitter.kinematics.geometry_fit import GENERATIONS, LEAST_EXPLAINED, fit_kinematics, hardly
+from fitter.kinematics.kinematics_fit import KinematicsFit, angle_noise_deg, document
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.compared import geometry_by_name
 from fitter.report.fit_pages import kinematics_page

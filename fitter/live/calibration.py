@@ -15,8 +15,9 @@ from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
 from fitter.dynamics.fit import fit_dynamics
 from fitter.dynamics.fit import known_by_motions as dynamics_by_motions
-from fitter.kinematics.geometry_fit import KinematicsFit, fit_of, known_by_motions
+from fitter.kinematics.geometry_fit import fit_of, known_by_motions
 from fitter.kinematics.incremental import IncrementalKinematics
+from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.live.estimated_again import estimated_again
 from limbcal.errors import DataError, LimbcalError

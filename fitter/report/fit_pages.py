@@ -6,7 +6,7 @@ from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Trial, is_driven
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import motion_error
-from fitter.kinematics.geometry_fit import KinematicsFit
+from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.report import published
 from fitter.report.assumptions import dynamics_assumptions, kinematics_assumptions
 from fitter.report.calibration_page import CalibrationPage, Section, error_rows

@@ -7,7 +7,8 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from fitter.data.trial import Trial
 from fitter.kinematics.angle_noise import resolved_noise
-from fitter.kinematics.geometry_fit import document, fit_kinematics
+from fitter.kinematics.geometry_fit import fit_kinematics
+from fitter.kinematics.kinematics_fit import document
 from fitter.kinematics.tip_basis import geometry_of, with_geometry
 from fitter.kinematics.tip_error import TipScore
 from limbcal.errors import ConfigError
