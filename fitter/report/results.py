@@ -15,7 +15,7 @@ from fitter.data.trial import Trial
 from fitter.dynamics import dynamics_fit as dynamics
 from fitter.dynamics.evaluation import motion_error
 from fitter.dynamics.written import determined_by_data, save_calibrated
-from fitter.kinematics import geometry_fit as kinematics
+from fitter.kinematics import kinematics_fit as kinematics
 from fitter.live.calibration import Calibration
 from fitter.report import published
 from fitter.report.assumptions import dynamics_assumptions, kinematics_assumptions
