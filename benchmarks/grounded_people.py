@@ -43,6 +43,7 @@ from fitter.ground.floating_base import FloatingBase, base_regressor, floating_b
 from fitter.ground.link_motion import link_motions
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command
+from limbcal.errors import Unusable
 from tests.fitter.body.simulated_body import squatting
 from tests.fitter.ground.simulated_ground import other_masses, weighing
 
@@ -207,7 +208,7 @@ def run(job: Job) -> Line:
                 write_forces(folder / "rail.mot", leant(person, q, wrench, rng))
                 write_forces(folder / "half.mot", one_plate(wrench, rng))
         (code, found), took = timed(lambda: _dynamics(folder, "learn.mot"))
-        refused = {kind: _dynamics(folder, f"{kind}.mot")[0] == 4 for kind in ("rail", "half")}  # noqa: PLR2004 - exit code
+        refused = {kind: _dynamics(folder, f"{kind}.mot")[0] == Unusable.exit_code for kind in ("rail", "half")}
         learnt = load_arm(folder / "out.toml") if code == 0 else None
     return judged(person, code, found, learnt) | {"refused": refused} | took
 

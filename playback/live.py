@@ -137,7 +137,7 @@ class LivePlayer:
 
 
 def _is_agreed(fields: Mapping[str, object], n_joint: int) -> bool:
-    """Say whether a block of frames has what `limb/frames` is to have, so that it can be passed on and told of."""
+    """Say whether a block of frames has the fields and shapes of `limb/frames`."""
     n, dt_s = fields.get("n"), fields.get("dt_s")
     if any(type(fields.get(name)) is not int for name in ("frame0", "t0_ns")) or type(n) is not int or n < 1:
         return False

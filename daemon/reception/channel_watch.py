@@ -14,8 +14,8 @@ Counts = NDArray[np.int16]
 Counted = NDArray[np.int64]
 
 _LEAST, _MOST = np.iinfo(np.int16).min, np.iinfo(np.int16).max
-#: A living accelerometer's noise never holds one count for so long [s], nor for so many samples, of which a slow
-#: device has few: noise with a standard deviation of one count does so once in 300 000 times. Conventions.
+#: The noise of a working accelerometer does not hold one count for this duration [s], nor, of a slow device, for
+#: this number of samples: with a standard deviation of one count, once in 300 000 times. Conventions.
 _FLAT_S, _FLAT_SAMPLES = 0.1, 10
 
 

@@ -29,16 +29,16 @@ class FrameSizes:
         return self.smallest == self.largest
 
     def nearest(self, frames: int, samples: float) -> float:
-        """Return how many samples so many frames may have had, as near as can be to what a clock says."""
+        """Return the number of samples that some frames can have had which is nearest to that of a clock."""
         return min(max(samples, frames * self.smallest), frames * self.largest)
 
     def without_samples(self, frames: int, samples: int) -> int | None:
-        """Return how many frames had no samples, at the least, where all of them had so many.
+        """Return the least number of frames without samples, where all frames together had some number of samples.
 
         Returns
         -------
         int or None
-            None where no number of them explains so many samples.
+            None where no number of frames agrees with that of samples.
         """
         fewest = max(0, math.ceil(frames - samples / self.smallest))
         most = math.floor(frames - samples / self.largest)

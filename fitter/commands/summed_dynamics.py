@@ -3,12 +3,12 @@
 import argparse
 
 import numpy as np
-from rich.progress import Progress
 
 from arm.model import Arm
 from arm.structural_parameters import structural_parameters
 from fitter.commands.dynamics_said import say_fit
 from fitter.commands.options import bounds_of, fixed_of
+from fitter.commands.sums import reduced
 from fitter.commands.trial_sets import notes_of, with_notes
 from fitter.data.standstill import REST_SPEED
 from fitter.data.trials import load_trials
@@ -20,9 +20,8 @@ from fitter.dynamics.known_effects import without_effects
 from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.usability import next_to_nothing
 from fitter.dynamics.written import determined_by_data, save_calibrated
-from fitter.regression_sums.reduction import reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
-from limbcal.command import Document, console, say_notes
+from limbcal.command import Document, say_notes
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
 
@@ -103,17 +102,6 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note,
         return saved, ()
     if any(held):
         raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
-    with Progress(console=console, transient=True) as progress:
-        task = progress.add_task("reducing", total=None)
-        reduction = reduce_trials(
-            arm,
-            arguments.learn,
-            columns=arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=arguments.cutoff_hz,
-            workers=arguments.workers,
-            dask=arguments.dask,
-            progress=lambda done, files: progress.update(task, completed=done, total=files),
-        )
+    reduction = reduced(arguments, arm, arguments.learn)
     say_notes(reduction.notes)
     return reduction.saved, reduction.notes

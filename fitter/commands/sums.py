@@ -1,13 +1,15 @@
 """`fitter sums`: recordings of any length to the sums that a torque fit needs, and sums to their sum."""
 
 import argparse
+from collections.abc import Sequence
 from pathlib import Path
 
 from rich.progress import Progress
 
+from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
-from fitter.regression_sums.reduction import reduce_trials
+from fitter.regression_sums.reduction import Reduction, reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, load_sums, save_sums
 from limbcal.arguments import Parser
 from limbcal.command import Document, console, say_notes, show
@@ -40,15 +42,21 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             )
 
 
-def make(arguments: argparse.Namespace) -> Document:
-    """Reduce trials and write their sums."""
-    arm = questioned_arm(arguments.arm)
-    make_room(arguments.out, (".npz",))
+def reduced(arguments: argparse.Namespace, arm: Arm, data: Sequence[Path]) -> Reduction:
+    """Reduce trials to sums, with a progress bar.
+
+    Parameters
+    ----------
+    arguments : argparse.Namespace
+        With the columns, filter and processes that are asked for.
+    arm : Arm
+    data : sequence of Path
+    """
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reducing", total=None)
-        reduction = reduce_trials(
+        return reduce_trials(
             arm,
-            arguments.data,
+            data,
             columns=arguments.columns,
             rate_hz=arguments.rate_hz,
             cutoff_hz=arguments.cutoff_hz,
@@ -56,6 +64,13 @@ def make(arguments: argparse.Namespace) -> Document:
             dask=arguments.dask,
             progress=lambda done, files: progress.update(task, completed=done, total=files),
         )
+
+
+def make(arguments: argparse.Namespace) -> Document:
+    """Reduce trials and write their sums."""
+    arm = questioned_arm(arguments.arm)
+    make_room(arguments.out, (".npz",))
+    reduction = reduced(arguments, arm, arguments.data)
     say_notes(reduction.notes)
     save_sums(arguments.out, reduction.saved)
     corners = {"cutoff_hz": reduction.cutoff_hz, "band_hz": reduction.band_hz}

@@ -1,4 +1,4 @@
-"""A torque that is known, taken out of a trial: what is left is the rest of the arm's."""
+"""A torque that is known, subtracted from a trial: the residual is the torque of the rest of the arm."""
 
 from collections.abc import Callable
 from dataclasses import replace

@@ -104,10 +104,10 @@ def _read(name: str) -> tuple[tuple[str, ...], str, str, str] | None:
 def _require_no_plate(plate: PlateColumns, names: Sequence[str], path: Path) -> None:
     """Refuse a point or a moment without a force; other columns may end alike, such as OpenSim's ``pelvis_tx``."""
     columns = [names[k] for k in (*plate.point.values(), *plate.moment.values())]
-    told = [name for name in columns if _WORD.search(name) or re.search(r"(?<![a-z])[mp]_?[xyz]", name, re.I)]
-    if told:
+    unmatched = [name for name in columns if _WORD.search(name) or re.search(r"(?<![a-z])[mp]_?[xyz]", name, re.I)]
+    if unmatched:
         raise DataError(
-            f"{path}: column {told[0]!r} is of no plate with a force, expected a plate's point and moment "
+            f"{path}: column {unmatched[0]!r} is of no plate with a force, expected a plate's point and moment "
             f"to be named like its force, such as ground_force_1_vx, ground_force_1_px and ground_torque_1_x"
         )
 

@@ -1,4 +1,4 @@
-"""A child that is busy with getting ready ends when it is told to, and when its supervisor is gone."""
+"""A child that is still starting ends at a stop message, and when its supervisor is gone."""
 
 import threading
 from collections.abc import Iterator
