@@ -116,7 +116,7 @@ class ReadingsBuilder:
     def gap(self, n_samples: int) -> None:
         """Leave out samples that were lost."""
         self._close()
-        self._frames.append(np.full((max(0, self._decimator.skip(n_samples)), self._n_channel), np.nan))
+        self._frames.append(np.full((self._decimator.skip(n_samples), self._n_channel), np.nan))
 
     def done(self) -> Readings:
         """Return all that was taken in.

@@ -6,6 +6,7 @@ from arm.model import Arm
 from tests.tracking.test_clocks import felt, read
 from tracking.coarsening import every
 from tracking.rough_motion import rough_motion
+from tracking.start import MountingPrior
 
 
 def test_one_sensors_fault_bends_it_little(vertical_arm: Arm) -> None:
@@ -25,3 +26,9 @@ def test_a_sound_arm_is_likelier_than_one_with_a_fault(vertical_arm: Arm) -> Non
     wrong = rough_motion(vertical_arm, read(readings), q[0], True)
     assert sound is not None and wrong is not None
     assert sound.log_likelihood > wrong.log_likelihood + 100.0
+
+
+def test_mountings_that_are_right_are_near_wherever_sensors_sit(vertical_arm: Arm) -> None:
+    readings, q = felt(vertical_arm, 0.0, 5.0)
+    found = rough_motion(vertical_arm, read(readings), q[0], True, MountingPrior())
+    assert found is not None and found.is_near

@@ -63,6 +63,7 @@ class Viewer:
                 if channel.target.node == k:
                     sampler = animation.samplers[channel.sampler]
                     assert sampler.interpolation == "LINEAR"
+                    assert self.gltf.accessors[sampler.input].min  # which the standard asks of times
                     times = self.accessor(sampler.input)[:, 0].astype(float)
                     values = self.accessor(sampler.output).astype(float)
                     if channel.target.path == "rotation":

@@ -22,6 +22,7 @@ class Playback:
     def __init__(self, context: Context) -> None:
         self.asked: list[tuple[str, object]] = []
         self.state: dict[str, Any] = {"run": "a", "trial": 1, "source": "file", "position_s": 0.5}
+        self.motion: dict[str, Any] = {"motion": MOTION}
         self.refused = ""
         self.garbled = False
         self.held = threading.Event()
@@ -50,7 +51,7 @@ class Playback:
             request = decode_request([self._socket.recv()])
             self.asked.append((request.cmd, request.value))
             self.held.wait()
-            more: dict[str, Any] = {"arm": {"arm": "an arm", "twin": None}, "motion": {"motion": MOTION}}.get(
+            more: dict[str, Any] = {"arm": {"arm": "an arm", "twin": None}, "motion": self.motion}.get(
                 request.cmd, {}
             )
             if self.garbled:
@@ -94,6 +95,21 @@ def test_motion_is_asked_for_again_where_another_trial_is_loaded(remote: Remote,
     assert [cmd for cmd, _ in playback.asked].count("arm") == 1
     playback.state = playback.state | {"run": "b"}
     eventually(lambda: [cmd for cmd, _ in playback.asked].count("arm") == 2, "another run's arm")
+
+
+@pytest.mark.parametrize(
+    "motion",
+    [{}, {"motion": None}, {"motion": {"t": [0.0]}}, {"motion": {**MOTION, "q": [[0.0, 1.0], [2.0]]}}],
+    ids=["none", "no map", "no angles", "ragged"],
+)
+def test_a_motion_that_cannot_be_read_is_left_out(
+    remote: Remote, playback: Playback, motion: dict[str, Any]
+) -> None:
+    assert remote.answered.wait(60.0)
+    playback.motion, playback.state = motion, playback.state | {"trial": 2}
+    eventually(lambda: remote.motion is None, "no motion")
+    playback.motion, playback.state = {"motion": MOTION}, playback.state | {"trial": 3}
+    eventually(lambda: remote.motion is not None, "the next one")
 
 
 def test_of_many_seeks_the_last_counts_and_steps_add_up(remote: Remote, playback: Playback) -> None:

@@ -109,7 +109,8 @@ def test_ranges_hold_what_is_drawn_and_little_more() -> None:
 def test_a_stream_is_drawn_back_from_the_present() -> None:
     rows = [Row(float(t), Pose(q, tip), Pose(q + off, tip)) for t, q, tip, off in zip(T, Q, TIP, OFF, strict=True)]
     (angles, errors) = shown(True, 4.0, None, rows)
-    t, lines, _ = drawn(angles)
+    t, lines, upright = drawn(angles)
+    assert t[upright == angles.scales["y"]["range"][1]].tolist() == [0.0]
     assert angles.scales["x"]["range"] == errors.scales["x"]["range"] == (-LIVE_SPAN_S, 0.0)
     assert (t[0], t[-1]) == (-4.0, 0.0)
     assert lines[0] == pytest.approx(np.interp(t + 4.0, T, np.degrees(Q[:, 0])))

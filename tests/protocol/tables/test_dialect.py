@@ -163,7 +163,7 @@ def test_names_behind_text_stand_above_numbers():
     numbers = "a,b\n0.1,1\n0.2,2\n0.3,3\n0.4,4\n"
     assert of("Export,of today\nby,hand\n" + numbers).preamble == 0  # as many cells: the first line is the header
     assert of("Export\n" + numbers).preamble == 1
-    assert of("Export\n1,2\n3,4\n5,6\n").preamble == 0  # numbers are no names
+    assert of("Export\n1,2\n3,4\n5,6\n7,8\n").preamble == 0  # numbers are no names
     assert of("Export\na,b\nc,d\ne,f\n").preamble == 0  # nor do names stand above names
 
 
