@@ -6,9 +6,6 @@ from scipy.spatial.transform import Rotation
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 
-#: A motion's columns of the pose in the world of that segment: place [m], then a unit quaternion.
-BASE_COLUMNS = ("base_x", "base_y", "base_z", "base_qw", "base_qx", "base_qy", "base_qz")
-
 
 def base_in_segment(arm: Arm) -> tuple[Floats, Floats]:
     """Return frame 0 in the segment that carries it, or in the world: R (3, 3) and p (3,) [m]."""
@@ -24,7 +21,8 @@ def frame_0_poses(arm: Arm, columns: Floats | None) -> tuple[Floats, Floats]:
     ----------
     arm : Arm
     columns : (n_sample, 7), or None
-        As `BASE_COLUMNS`, quaternions of length one; without them the base stands, and there is one sample.
+        The segment's pose in the world: place [m], then a unit quaternion w x y z. Without it the base stands, and
+        there is one sample.
     """
     own_R, own_p = base_in_segment(arm)
     if columns is None:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 
-from arm.base_pose import BASE_COLUMNS, frame_0_poses
+from arm.base_pose import frame_0_poses
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, of_source
@@ -14,6 +14,7 @@ from playback.motion_trials import read_trials
 from playback.trajectory import Floats
 from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
+from protocol.tables.columns import BASE_ROLES
 
 
 @dataclass(frozen=True)
@@ -68,7 +69,7 @@ def read_measured_markers(
     names = [marker.name for marker in arm.markers]
     if not names:
         raise ConfigError(f"arm {arm.name!r} has no [[marker]], expected those of `fitter kinematics --body`")
-    trials = read_trials(motion, arm, needed=("q",), vectors={"base": BASE_COLUMNS}, columns=columns)
+    trials = read_trials(motion, arm, needed=("q",), vectors={"base": BASE_ROLES}, columns=columns)
     if len(recordings) != len(trials.signals):
         n = len(trials.signals)
         raise ConfigError(

@@ -37,7 +37,7 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool, wait_s: f
     key : Path or None
         The client's key, where the daemon asks for one.
     once, as_json : bool
-        One report, and as JSON; live JSON is a line a report.
+        One report; one, as JSON.
     wait_s : float
         For how long to wait for a daemon that is not heard yet.
 
@@ -51,12 +51,12 @@ def status(endpoint: str, key: Path | None, once: bool, as_json: bool, wait_s: f
     mine = None if key is None else load_client_key(key)
     with zmq.Context() as context, Subscriber(context, endpoint, [HEALTH], mine, watched=True) as subscriber:
         health = of_a_daemon(endpoint, _first(subscriber, endpoint, wait_s))
-        if as_json or once:
-            while True:
-                emit(strict_line(health)) if as_json else show(view_of(endpoint, health))
-                if once:
-                    return
-                health = of_a_daemon(endpoint, _next(subscriber, endpoint))
+        if as_json:
+            emit(strict_line(health))
+            return
+        if once:
+            show(view_of(endpoint, health))
+            return
         with Live(view_of(endpoint, health), console=answers(), auto_refresh=False) as live:
             while True:
                 health = of_a_daemon(endpoint, _next(subscriber, endpoint))

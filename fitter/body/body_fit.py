@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.marker_kinematics import Integers
-from arm.model import Arm, Floats
+from arm.model import Arm
 from fitter.body.body_map import BodyLimbs
 from fitter.body.start import BodyStart
 from fitter.limb.bundle import Bundle, Task
@@ -14,6 +14,7 @@ from fitter.limb.floating_base import floating_angles
 from fitter.limb.frame_choice import usable_frames
 from fitter.limb.inverse_kinematics import follow, predicted
 from fitter.limb.limb_trials import LimbTrials
+from fitter.limb.marker_errors import MarkerErrors, marker_errors
 from fitter.limb.uncertainty import Errors
 from limbcal.note import Note
 from protocol.markers.recording import MarkerRecording
@@ -48,8 +49,8 @@ class BodyFit:
     errors: Errors
     notes: tuple[Note, ...]
 
-    def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
-        """Return the distance of every marker from where the tree has it, (n_frame, m) [m]; NaN where not seen."""
+    def marker_errors(self, recordings: Sequence[MarkerRecording], seed: int) -> MarkerErrors:
+        """Return how far every marker is from where the tree has it."""
         markers, geometry, prior = self.bundle.markers, self.bundle.geometry, self.task.angles
         y = np.concatenate([one.of(markers.names) for one in recordings])
         n = len(y)
@@ -57,4 +58,4 @@ class BodyFit:
         about = floating_angles(geometry, markers, frames, prior, seed)
         chain = markers.chain(geometry)
         q = follow(chain, frames, markers.std, prior, seed, begin=about)
-        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
+        return marker_errors(frames, predicted(chain, frames, q))

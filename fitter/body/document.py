@@ -15,8 +15,8 @@ def body_document(
     """Return the JSON document of a fit, without its notes and what it took."""
     bundle, where = fit.bundle, fit.where
     names = bundle.markers.names
-    learnt = fit.residuals_m(learn, seed)
-    judged = fit.residuals_m(evaluate, seed) if evaluate else None
+    scores = {"learn": fit.marker_errors(learn, seed)}
+    scores |= {"evaluate": fit.marker_errors(evaluate, seed)} if evaluate else {}
     free, balls = fit.task.free, {limb.name: limb.first + limb.where.balls[0] for limb in where.limbs}
     hung = [
         (name, float(bundle.geometry.hang[i, 1 + kind - HANG_X]), "m")
@@ -34,6 +34,6 @@ def body_document(
     return {
         "parameters": parameters(bundle.geometry, free, fit.errors, hung),
         **of_bundle(bundle, len(fit.task.frames.t)),
-        "marker_rms_mm": of_roles(learnt, judged, names, len(names)),
+        **of_roles(scores, names, len(names), fit.arm.n_joint),
         **derived_document(own, fit.errors, length_std, lambda s: markers_on(bundle, where.links[s])),
     }

@@ -18,9 +18,10 @@ from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import height_m, make_room, mass_kg
 from fitter.functional.marker_set import load_marker_set
 from fitter.limb.limb_search import GENERATIONS, Search
+from fitter.limb.marker_errors import LEAST_EXPLAINED, hardly
 from fitter.limb.probing import with_probed
 from limbcal.command import Document, console, say_notes, show
-from limbcal.errors import ConfigError
+from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note, documents, of_source
 from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
@@ -69,7 +70,13 @@ def add_body(parser: argparse.ArgumentParser) -> None:
 
 
 def limb_kinematics(arguments: argparse.Namespace) -> Document:
-    """Learn a person or a limb and write it."""
+    """Learn a person or a limb and write it.
+
+    Raises
+    ------
+    Unusable
+        If next to nothing of the markers' motion is explained.
+    """
     _require_options(arguments)
     body = body_of(arguments)
     marker_set = load_marker_set(arguments.marker_set)
@@ -107,7 +114,16 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     if arguments.report is not None:
         found.write_page(arguments.report, answer, notes)
         show(f"report: {arguments.report}")
-    return answer | {"exported": export(arguments.export, found.arm), "notes": documents(notes)}
+    answer |= {"exported": export(arguments.export, found.arm), "notes": documents(notes)}
+    explained = dict(answer["explained"])  # type: ignore[call-overload]
+    reasons = [
+        f"{title} trials: {hardly(explained[role])}"
+        for role, title in (("learn", "learning"), ("evaluate", "evaluating"))
+        if explained[role] is not None and explained[role] < LEAST_EXPLAINED
+    ]
+    if reasons:
+        raise Unusable(reasons, answer)
+    return answer
 
 
 def _require_options(arguments: argparse.Namespace) -> None:

@@ -7,7 +7,6 @@ from pathlib import Path
 import numpy as np
 from rich.progress import Progress
 
-from arm.base_pose import BASE_COLUMNS
 from arm.body.isb_angles import isb_angles
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.limb_export import check_export, export
@@ -20,6 +19,7 @@ from fitter.limb.tracking import track_limb
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
 from limbcal.note import documents, of_source
+from protocol.tables.columns import BASE_ROLES
 
 #: What recordings of markers end with.
 MARKER_SUFFIXES = (".c3d", ".trc")
@@ -69,7 +69,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
     }
     poses = [one.base for one in tracked if one.base is not None]
     if poses:
-        columns |= dict(zip(BASE_COLUMNS, np.concatenate(poses).T, strict=True))
+        columns |= dict(zip(BASE_ROLES, np.concatenate(poses).T, strict=True))
     angles = isb_angles(arm, columns["q"])
     columns |= dict(zip(angles.names, angles.values.T, strict=True))
     if len(tracked) > 1:

@@ -8,7 +8,6 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
-from arm.base_pose import BASE_COLUMNS
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.model import Arm, Floats
@@ -25,7 +24,7 @@ from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
 from protocol.markers.wrench_files import PlateWrench, read_wrenches
-from protocol.tables.columns import parse_mapping
+from protocol.tables.columns import BASE_ROLES, parse_mapping
 from protocol.tables.stamps import require_seconds
 
 #: As it stands in the help.
@@ -67,7 +66,7 @@ def torque(arguments: argparse.Namespace) -> Document:
     arm = questioned_arm(arguments.arm)
     make_room(arguments.out, MOTION_SUFFIXES)
     mapping = parse_mapping(arguments.columns, arm.n_joint)
-    vectors = {**TIP, "base": BASE_COLUMNS}
+    vectors = {**TIP, "base": BASE_ROLES}
     trials = [
         trial
         for path in arguments.motion
@@ -184,7 +183,7 @@ def _torques(
     tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, number)
     part = {"t": t, "q": q, "dq": dq, "ddq": ddq, "tau": tau}
     if base_columns is not None:
-        part |= dict(zip(BASE_COLUMNS, base_columns.T, strict=True))
+        part |= dict(zip(BASE_ROLES, base_columns.T, strict=True))
     return part, notes
 
 

@@ -41,7 +41,7 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
     arm : Arm
     t : (n_sample,) [s]
     columns : (n_sample, 7) or None
-        As `BASE_COLUMNS`; without them the base stands, and gravity is in frame 0.
+        As `protocol.tables.columns.BASE_ROLES`; without them the base stands, and gravity is in frame 0.
     where : str
         The file, for errors.
 

@@ -1,6 +1,6 @@
 """The JSON document of `fitter kinematics` for a person's limb."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 import numpy as np
 
@@ -10,6 +10,7 @@ from fitter.limb.base_motion import named
 from fitter.limb.bundle import Bundle
 from fitter.limb.free_geometry import FreeGeometry, Geometry
 from fitter.limb.limb_fit import LimbFit
+from fitter.limb.marker_errors import MarkerErrors
 from fitter.limb.uncertainty import Derived, Errors, derived
 from limbcal.command import Document
 from protocol.markers.recording import MarkerRecording
@@ -22,8 +23,8 @@ def document(
 ) -> dict[str, object]:
     """Return the JSON document of a fit, without its notes and what it took."""
     names = (*fit.bundle.markers.names, *fit.base.markers)
-    learnt = fit.residuals_m(learn, seed)
-    judged = fit.residuals_m(evaluate, seed) if evaluate else None
+    scores = {"learn": fit.marker_errors(learn, seed)}
+    scores |= {"evaluate": fit.marker_errors(evaluate, seed)} if evaluate else {}
     base = [(f"base_{axis}", float(x), "m") for axis, x in zip("xyz", fit.bundle.geometry.base_p, strict=True)]
     own = derived(fit.where, fit.bundle.geometry, fit.bundle.markers.link, *[fit.bundle.markers.place] * 2)
     found = derived_document(own, fit.errors, lambda name: _length_std(fit, name), lambda s: _markers_of(fit, s))
@@ -34,7 +35,7 @@ def document(
         "parameters": parameters(fit.bundle.geometry, fit.free, fit.errors, base),
         **of_bundle(fit.bundle, len(fit.task.frames.t)),
         **_of_search(fit),
-        "marker_rms_mm": of_roles(learnt, judged, names, len(fit.bundle.markers.names)),
+        **of_roles(scores, names, len(fit.bundle.markers.names), fit.arm.n_joint),
         **found,
     }
 
@@ -62,14 +63,30 @@ def of_bundle(bundle: Bundle, n_frame: int) -> Document:
     }
 
 
-def of_roles(learnt_m: Floats, judged_m: Floats | None, names: Sequence[str], n_limb: int) -> Document:
-    """Return ``marker_rms_mm`` from markers' distances, (n_frame, n_marker) [m], those of a base coming last."""
-    found: dict[str, object] = {"learn": of_markers(learnt_m, n_limb)}
-    if judged_m is not None:
-        found["evaluate"] = of_markers(judged_m, n_limb)
-    last = learnt_m if judged_m is None else judged_m
-    found["per_marker"] = {name: rms_mm(last[:, m]) for m, name in enumerate(names)}
-    return found
+def of_roles(scores: Mapping[str, MarkerErrors], names: Sequence[str], n_limb: int, n_joint: int) -> Document:
+    """Return how far markers are off and which share of their motion is explained.
+
+    Parameters
+    ----------
+    scores : mapping of str to MarkerErrors
+        Of ``learn`` and, where there are such trials, ``evaluate``; markers of a base come last.
+    names : sequence of str
+        Of the markers.
+    n_limb : int
+        How many of them are on links.
+    n_joint : int
+        Nobody measures a tip or a joint's angle; of each the fit without markers has a number.
+    """
+    rms: dict[str, object] = {role: of_markers(score.distance_m, n_limb) for role, score in scores.items()}
+    last = list(scores.values())[-1].distance_m
+    rms["per_marker"] = {name: rms_mm(last[:, m]) for m, name in enumerate(names)}
+    explained = {role: score.explained for role, score in scores.items()}
+    return {
+        "marker_rms_mm": rms,
+        "explained": {"learn": None, "evaluate": None} | explained,
+        "tip_error_mm": {"learn": None, "evaluate": None},
+        "angle_noise_deg": [None] * n_joint,
+    }
 
 
 def parameters(

@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 
 from arm.body.landmarks import LimbMap
 from arm.marker_kinematics import Integers
-from arm.model import Arm, Floats
+from arm.model import Arm
 from fitter.functional.functional_centre import FunctionalCentre
 from fitter.limb.base_motion import BaseMotion, markers_in, poses_of
 from fitter.limb.bundle import Bundle, Task
@@ -16,6 +16,7 @@ from fitter.limb.frame_choice import usable_frames
 from fitter.limb.free_geometry import FreeGeometry
 from fitter.limb.inverse_kinematics import follow, predicted
 from fitter.limb.limb_trials import LimbTrials
+from fitter.limb.marker_errors import MarkerErrors, marker_errors
 from fitter.limb.marker_observations import Frames, base_follows, with_base
 from fitter.limb.search_comparison import Comparison
 from fitter.limb.uncertainty import Errors
@@ -83,13 +84,13 @@ class LimbFit:
         R, p = poses_of(self.base.points_m, carried)
         return usable_frames(y, R, p, [r.t for r in recordings])
 
-    def residuals_m(self, recordings: Sequence[MarkerRecording], seed: int) -> Floats:
-        """Return the distance of every marker from where the chain has it, NaN where not seen.
+    def marker_errors(self, recordings: Sequence[MarkerRecording], seed: int) -> MarkerErrors:
+        """Return how far every marker is from where the chain has it.
 
         Returns
         -------
-        (n_frame, m + m_base) [m]
-            The markers of the links, then those of the base, which is where base and limb together have it.
+        MarkerErrors
+            Of the markers of the links, then those of the base, which is where base and limb together have it.
         """
         frames, usable = self.frames(recordings)
         carried = np.concatenate([r.of(self.base.markers) for r in recordings])[usable]
@@ -100,4 +101,4 @@ class LimbFit:
         chain = model.chain(geometry)
         prior = base_follows(self.task.angles, len(base.markers))
         q = follow(chain, frames, model.std, prior, seed)
-        return np.asarray(np.linalg.norm(frames.y - predicted(chain, frames, q), axis=2))
+        return marker_errors(frames, predicted(chain, frames, q))

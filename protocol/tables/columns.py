@@ -13,9 +13,10 @@ DRIVE_ROLES = ("on", "kp", "kv")
 #: Roles that have one column a joint; ``q`` stands for q1 … qn, ``q2`` for one of them.
 JOINT_ROLES = ("q", "dq", "ddq", "tau", "ref", *DRIVE_ROLES)
 TIP_ROLES = ("tipx", "tipy", "tipz")
-PLAIN_ROLES = ("t", "trial", *TIP_ROLES)
-#: Columns of the base's pose: read by their own names where a command asks for them, else noted as not used.
-NOT_READ = re.compile(r"base_(?:x|y|z|qw|qx|qy|qz)")
+#: The pose in the world of the segment that carries the base: its place [m], then a unit quaternion.
+BASE_PLACE, BASE_QUATERNION = ("base_x", "base_y", "base_z"), ("base_qw", "base_qx", "base_qy", "base_qz")
+BASE_ROLES = (*BASE_PLACE, *BASE_QUATERNION)
+PLAIN_ROLES = ("t", "trial", *TIP_ROLES, *BASE_ROLES)
 
 _PLACEHOLDER = re.compile(r"\{j(?:([+-])(\d+))?\}")
 _NUMBERED = re.compile(rf"({'|'.join(JOINT_ROLES)})([1-9]\d*)")
@@ -93,7 +94,8 @@ def parse_mapping(
     Parameters
     ----------
     text : str or None
-        Entries ``role=address`` parted by commas. Roles are ``t``, ``trial``, ``tipx tipy tipz`` and, with one
+        Entries ``role=address`` parted by commas. Roles are ``t``, ``trial``, ``tipx tipy tipz``, the base's pose
+        ``base_x base_y base_z base_qw base_qx base_qy base_qz`` and, with one
         column a joint, ``q dq ddq tau ref on kp kv``: there ``{j}`` in the address stands for the joint's number
         from 1, ``{j+2}`` for the number plus two, and single joints can be named (``q1=shoulder,q2=elbow``). A
         unit may follow a colon (``q=angle{j}:deg``). What is no column may be a sum of columns, see
@@ -145,9 +147,9 @@ def dimensions_of(role: str) -> tuple[str, ...]:
     numbered = _NUMBERED.fullmatch(role)
     if numbered:
         return DIMENSIONS.get(numbered[1], ())
-    if role == "trial" or role in DRIVE_ROLES:
+    if role in ("trial", *DRIVE_ROLES, *BASE_QUATERNION):
         return ()
-    return DIMENSIONS.get(role) or DIMENSIONS["tip" if role in TIP_ROLES else "a"]
+    return DIMENSIONS.get(role) or DIMENSIONS["tip" if role in (*TIP_ROLES, *BASE_PLACE) else "a"]
 
 
 def _parted(address: str) -> tuple[str, Unit | None]:
@@ -173,8 +175,6 @@ def _mistake(role: str, equals: str, address: str, n_joint: int, plain: Sequence
     numbered = _NUMBERED.fullmatch(role)
     if not equals:
         return "there is no '=', expected role=column"
-    if NOT_READ.fullmatch(role) or NOT_READ.fullmatch(f"{role}1"):
-        return f"{role!r} cannot be mapped: a file has the base's columns by their own names"
     if role not in plain and role not in JOINT_ROLES and not numbered:
         return f"{role!r} is no role, expected one of {', '.join((*JOINT_ROLES, *plain))}"
     if numbered and int(numbered[2]) > n_joint:

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field, replace
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.clock import Clock
-from protocol.tables.columns import DRIVE_ROLES, JOINT_ROLES, NOT_READ, Address, ColumnMap, dimensions_of
+from protocol.tables.columns import BASE_ROLES, DRIVE_ROLES, JOINT_ROLES, Address, ColumnMap, dimensions_of
 from protocol.tables.source import Column, Source
 from protocol.tables.sums import ColumnSum, RoleSums, parse_sum, role_sums
 from protocol.tables.units import Unit, known_units
@@ -93,7 +93,7 @@ def find_roles(
         If a column that was asked for is not there, some columns of a role are missing, a unit does not fit, or
         there are more joints than the arm has.
     """
-    _require_all_read(source, mapping, joint_roles)
+    _require_all_read(source, mapping, joint_roles, {name for names in vectors.values() for name in names})
     wanted: dict[str, list[Address | None]] = {name: [mapping.plain(name)] for name in ("t", "trial")}
     wanted |= {role: [mapping.joint(role, number) for number in range(1, n_joint + 1)] for role in joint_roles}
     wanted |= {role: [mapping.plain(name) for name in names] for role, names in vectors.items()}
@@ -121,7 +121,7 @@ def find_roles(
     passed_over = tuple(
         name
         for name in source.names
-        if name not in taken and (NOT_READ.fullmatch(name) or (joint_roles and _LIKE_DRIVE.fullmatch(name)))
+        if name not in taken and (name in BASE_ROLES or (joint_roles and _LIKE_DRIVE.fullmatch(name)))
     )
     if passed_over:
         text = f"column {', '.join(passed_over)} {'is' if len(passed_over) == 1 else 'are'} not used here"
@@ -149,12 +149,16 @@ def no_column(source: Source, address: Address, beside: str = "", expected: str 
 Found = tuple[Address, ColumnSum]
 
 
-def _require_all_read(source: Source, mapping: ColumnMap, joint_roles: Sequence[str]) -> None:
-    """Raise a DataError where a drive is mapped for a command that asks nothing of it."""
+def _require_all_read(
+    source: Source, mapping: ColumnMap, joint_roles: Sequence[str], plain: Collection[str]
+) -> None:
+    """Raise a DataError where a drive or a base is mapped for a command that asks nothing of it."""
     for role in mapping.entries:
         name = role.rstrip("0123456789")
-        if name in DRIVE_ROLES and name not in joint_roles and mapping.entries[role]:
-            raise DataError(f"{source.path}: {role!r} is mapped, but this command does not ask for the drive")
+        what = "the drive" if name in DRIVE_ROLES and name not in joint_roles else ""
+        what = "the base's pose" if name in BASE_ROLES and name not in plain else what
+        if what and mapping.entries[role]:
+            raise DataError(f"{source.path}: {role!r} is mapped, but this command does not ask for {what}")
 
 
 def _present(source: Source, addresses: Sequence[Address], required: bool) -> list[Found]:

@@ -1,12 +1,14 @@
 """What a person sees of a report, line by line."""
 
+import contextlib
 import io
 from typing import Any
 
 import pytest
 from rich.console import Console
 
-from daemon.monitoring.status_view import _first, view_of
+from daemon.monitoring import status_view
+from daemon.monitoring.status_view import _first, status, view_of
 from limbcal.errors import DeviceError
 from tests.daemon.commands.test_status import Told
 
@@ -115,3 +117,14 @@ def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None
     with pytest.raises(DeviceError):
         _first(subscriber, "ipc://x", 20.0)  # type: ignore[arg-type]
     assert subscriber.timeouts_ms == [3000, 0]
+
+
+def test_a_live_view_goes_on_until_the_daemon_falls_silent(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    told = Told(*((status_view.HEALTH, {**HEALTH, "samples": n}) for n in (1000, 2000, 3000)), None)
+    monkeypatch.setattr(status_view, "Subscriber", lambda *_, **__: contextlib.nullcontext(told))
+    with pytest.raises(DeviceError, match="is not heard any more since 3 s"):
+        status("ipc://here", None, once=False, as_json=False)
+    assert "3000, 32 lost" in capsys.readouterr().out
+    assert told.messages == []

@@ -10,7 +10,7 @@ from limbcal.errors import NotIdentifiable
 
 
 def test_markers_are_followed_to_their_noise_but_for_what_hands_and_feet_leave_open(person, fit):
-    rms = np.sqrt(np.nanmean(fit.residuals_m([person.recording], 0) ** 2))
+    rms = np.sqrt(np.nanmean(fit.marker_errors([person.recording], 0).distance_m ** 2))
     assert fit.bundle.converged and rms < 2.5e-3
 
 

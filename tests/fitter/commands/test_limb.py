@@ -67,6 +67,10 @@ def test_from_markers_to_torques(fitter, tmp_path, recorded):
     assert learnt.code == 0, learnt.errors
     document = learnt.document
     assert document["marker_rms_mm"]["evaluate"]["rms"] < 3.0
+    assert 0.98 < document["explained"]["evaluate"] == document["explained"]["learn"] < 1.0
+    assert (
+        document["tip_error_mm"] == {"learn": None, "evaluate": None} and document["angle_noise_deg"] == [None] * 7
+    )
     assert document["lengths_m"]["upper_arm"]["value"] == pytest.approx(abs(truth.arm.joints[2].d_m), abs=4e-3)
     centre = document["centres"]["shoulder_right"]
     assert set(centre) >= {"segment", "position_m", "std_mm", "apart_mm", "markers_m"}

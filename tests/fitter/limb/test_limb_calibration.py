@@ -41,7 +41,7 @@ def test_the_shoulder_is_where_it_is_among_the_bases_markers(right_arm):
 
 def test_markers_are_hardly_off(right_arm):
     truth, fit = right_arm
-    distances = fit.residuals_m(truth.recordings[1:], seed=0)
+    distances = fit.marker_errors(truth.recordings[1:], seed=0).distance_m
     assert np.sqrt(np.nanmean(distances**2)) < 2e-3
 
 

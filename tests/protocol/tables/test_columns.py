@@ -90,9 +90,13 @@ def test_a_unit_that_does_not_fit_is_said(entry):
         parse_mapping(entry, 2)
 
 
-def test_columns_that_no_command_reads_cannot_be_mapped():
-    with pytest.raises(ConfigError, match="cannot be mapped"):
-        parse_mapping("base_x=x", 2)
+def test_the_base_s_pose_may_have_other_names():
+    mapping = parse_mapping("base_x=pelvis_tx:mm,base_qw=q0", 2)
+    place, turn = mapping.plain("base_x"), mapping.plain("base_qw")
+    assert text(place) == "pelvis_tx" and place.unit.factor == 1e-3
+    assert text(turn) == "q0" and turn.dimensions == ()
+    with pytest.raises(ConfigError, match="base_qw has no such unit"):
+        parse_mapping("base_qw=q0:deg", 2)
 
 
 def test_a_drive_may_have_a_column_for_all_joints():

@@ -182,6 +182,11 @@ def test_a_drive_that_nobody_asks_for_may_not_be_mapped(source):
     assert "kp" not in plan.columns
 
 
+def test_a_base_that_nobody_asks_for_may_not_be_mapped(source):
+    with pytest.raises(DataError, match="'base_x' is mapped, but this command does not ask for the base's pose"):
+        plan_of(source, "t", "q1", "q2", "px", mapping="base_x=px")
+
+
 @pytest.mark.parametrize(
     ("mapping", "said"),
     [
