@@ -1,10 +1,6 @@
 """Columns out of files that hold arrays within names: MATLAB ``.mat``, JSON, and NPZ files of tables.
 
-An address is the way to a column: ``name``, ``name.field`` (of a struct, an object, or of every record in a
-list), ``name[k]`` (row or column k of a table, whichever is not time; number k of a row of gains) and ``name(k)``
-(cell k of a cell array or element k of a list). Everything is counted from 1, as ``{j}`` is. A list of tables
-without ``(k)`` is a set of motions, one a cell, and ``(a:b)`` are some of them; ``(join)`` and ``(join a:b)`` put
-cells end to end to the one motion that they are.
+A column is found by its address, see `protocol.tables.address`.
 """
 
 import re
@@ -17,6 +13,7 @@ from numpy.typing import NDArray
 
 from limbcal.errors import DataError
 from limbcal.note import Note
+from protocol.tables.address import head_of, last_name, reached, row_of
 from protocol.tables.header import Header
 from protocol.tables.source import Column, Groups, Rows, to_si
 from protocol.tables.table import Floats, Labels
@@ -24,11 +21,6 @@ from protocol.tables.trees import Array, Node, fields_of, fields_within, load_tr
 from protocol.tables.units import Unit
 
 Kind = TypeVar("Kind", bound=np.generic)
-
-_STEP = re.compile(r"\.(?P<field>[^.\[\](){}]+)|\[(?P<row>[^\]]*)\]|\((?P<cell>[^)]*)\)")
-_HEAD = re.compile(r"[^.\[\](){}]+")
-#: Some cells, or all of them, kept apart or joined.
-_CELLS = re.compile(r"(?P<join>join)?\s*(?:(?P<first>\d*)\s*:\s*(?P<last>\d*))?")
 
 
 class NestedFile:
@@ -68,20 +60,17 @@ class NestedFile:
     def match(self, wanted: str, dimensions: Collection[str]) -> str | None:
         """Return an address with the full name of what it begins with, if that is there."""
         whole = self._header.match(wanted, dimensions)
-        head = _HEAD.match(wanted)
-        if whole is not None or head is None:
+        head = head_of(wanted)
+        if whole is not None or not head:
             return whole
-        first = self._header.match(head[0], dimensions)
-        return None if first is None else first + wanted[head.end() :]
+        first = self._header.match(head, dimensions)
+        return None if first is None else first + wanted[len(head) :]
 
     def unit(self, address: str, dimensions: Collection[str]) -> Unit | None:
         """Return the unit that the last name in an address states."""
         if address in self._header.names:
             return self._header.unit(address, dimensions)
-        names = [step["field"] for step in _STEP.finditer(address) if step["field"]]
-        head = _HEAD.match(address)
-        last = names[-1] if names else head[0] if head else address
-        return self._header.unit(last, dimensions)
+        return self._header.unit(last_name(address), dimensions)
 
     def nearest(self, wanted: str) -> str | None:
         """Return the name that is most like one that is not there."""
@@ -90,7 +79,7 @@ class NestedFile:
     def is_blank(self, address: str) -> bool:
         """Say whether a column holds nothing but nulls."""
         try:
-            row = _row_of(self._walk(address, ""), "")
+            row = row_of(reached(self._root, address, ""), "")
         except DataError:
             return False
         return row.dtype == object and len(row) > 0 and all(value is None for value in row.tolist())
@@ -144,51 +133,10 @@ class NestedFile:
         motion: ``[k]`` is one of them.
         """
         where = f"{self.path}: {address}"
-        node = self._walk(address, where, is_row)
+        node = reached(self._root, address, where, is_row)
         if isinstance(node, list):
-            return [take(_row_of(cell, f"{where}, cell {k + 1}", is_row), where) for k, cell in enumerate(node)]
-        return [take(_row_of(node, where, is_row), where)]
-
-    def _walk(self, address: str, where: str, is_row: bool = False) -> Node:
-        if address in fields_of(self._root):  # a name may have brackets in it
-            return _field(self._root, address, where)
-        head = _HEAD.match(address)
-        if head is None:
-            raise DataError(f"{where}: expected the name of an array first")
-        return _walked(_field(self._root, head[0], where), address[head.end() :], where, is_row)
-
-
-def _walked(node: Node, steps: str, where: str, is_row: bool) -> Node:
-    """Return what the rest of an address leads to."""
-    place = 0
-    while place < len(steps):
-        step = _STEP.match(steps, place)
-        if step is None:
-            raise DataError(f"{where}: cannot read {steps[place:]!r}, expected .field, [k], (k), (a:b) or (join)")
-        place = step.end()
-        if step["field"] is not None:
-            node = _field(node, step["field"], where)
-        elif step["row"] is not None:
-            node = _row(node, _index(step["row"], where), where, is_row)
-        elif (several := _CELLS.fullmatch(step["cell"].strip())) is not None and step["cell"].strip():
-            some = _some(node, several, where)
-            inner = [_walked(cell, steps[place:], f"{where}, cell {k}", is_row) for k, cell in some]
-            if several["join"] is None:
-                return inner
-            return np.concatenate([_row_of(one, where) for one in inner])
-        else:
-            node = _cell(node, _index(step["cell"], where), where)
-    return node
-
-
-def _some(node: Node, wanted: re.Match[str], where: str) -> list[tuple[int, Node]]:
-    """Return the cells that are wanted, with their numbers."""
-    if not isinstance(node, list):
-        raise DataError(f"{where}: ({wanted[0]}) of something with no cells")
-    first, last = int(wanted["first"] or 1), int(wanted["last"] or len(node))
-    if not 1 <= first <= last <= len(node):
-        raise DataError(f"{where}: ({wanted[0]}) of something with {len(node)} cells, expected some of them")
-    return [(k, node[k - 1]) for k in range(first, last + 1)]
+            return [take(row_of(cell, f"{where}, cell {k + 1}", is_row), where) for k, cell in enumerate(node)]
+        return [take(row_of(node, where, is_row), where)]
 
 
 def _by_motion(column: Column, cells: list[Floats], motions: int) -> list[Floats]:
@@ -205,68 +153,6 @@ def _spread(columns: Mapping[Column, Floats]) -> dict[Column, Floats]:
         column: np.repeat(values, rows) if column.per_file and len(values) == 1 else values
         for column, values in columns.items()
     }
-
-
-def _field(node: Node, name: str, where: str) -> Node:
-    fields = fields_of(node)
-    if name not in fields:
-        there = f"one of {', '.join(fields)}" if fields else "an array, for it has no fields"
-        raise DataError(f"{where}: there is no {name!r}, expected {there}")
-    if isinstance(node, Mapping):
-        return fields[name]
-    column: list[Node] = []
-    for row, record in enumerate(node):
-        if not isinstance(record, Mapping) or name not in record:
-            raise DataError(f"{where}: record {row + 1} has no {name!r}, expected it in every record")
-        column.append(record[name])
-    return _gather(column)
-
-
-def _gather(nodes: list[Node]) -> Node:
-    """Make one column of a list of single values; leave a list of anything else a list."""
-    if nodes and all(isinstance(node, np.ndarray) and node.ndim == 0 for node in nodes):
-        return np.array([node.item() for node in nodes if isinstance(node, np.ndarray)])
-    return nodes
-
-
-def _row(node: Node, k: int, where: str, is_row: bool) -> Node:
-    if isinstance(node, list):
-        return [_row(cell, k, where, is_row) for cell in node]
-    if is_row and isinstance(node, np.ndarray) and (node.ndim == 1 or (node.ndim == 2 and 1 in node.shape)):
-        numbers: Array = node.ravel()
-        if not 1 <= k <= len(numbers):
-            raise DataError(f"{where}: [{k}] of a row of {len(numbers)} numbers, expected 1 to {len(numbers)}")
-        return numbers[k - 1 : k].reshape(())
-    if not isinstance(node, np.ndarray) or node.ndim != 2:
-        found = f"shape {node.shape}" if isinstance(node, np.ndarray) else "fields"
-        raise DataError(f"{where}: [{k}] of something with {found}, expected a table of two dimensions")
-    table = node if node.shape[0] < node.shape[1] else node.T  # the longer side is time
-    if not 1 <= k <= len(table):
-        raise DataError(f"{where}: [{k}] of a table with {len(table)} rows, expected 1 to {len(table)}")
-    row: Array = table[k - 1]
-    return row
-
-
-def _cell(node: Node, k: int, where: str) -> Node:
-    if not isinstance(node, list) or not 1 <= k <= len(node):
-        held = f"{len(node)} cells, expected 1 to {len(node)}" if isinstance(node, list) else "no cells"
-        raise DataError(f"{where}: ({k}) of something with {held}")
-    return node[k - 1]
-
-
-def _index(text: str, where: str) -> int:
-    if not text.strip().isdigit():
-        raise DataError(f"{where}: {text!r} is no index, expected a whole number from 1")
-    return int(text)
-
-
-def _row_of(node: Node, where: str, may_be_one: bool = False) -> Array:
-    """Return a node as one row of values."""
-    if not isinstance(node, np.ndarray):
-        raise DataError(f"{where}: holds fields or cells, expected an array; name a field or a cell of it")
-    if (node.ndim == 0 and not may_be_one) or max(node.shape, default=1) != node.size:
-        raise DataError(f"{where}: has shape {node.shape}, expected a row of numbers; name one with [k]")
-    return node.ravel()
 
 
 def _numbers(column: Column) -> Callable[[Array, str], Floats]:

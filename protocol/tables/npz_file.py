@@ -29,7 +29,7 @@ _NPY = b"\x93NUMPY"
 _SHORT, _LONG = struct.Struct("<H"), struct.Struct("<I")
 #: Bytes of a header that numpy reads.
 _HEADER_BYTES = 10_000
-#: The name that an address begins with; what may follow leads inside an array, see `protocol.tables.nested`.
+#: The name that an address begins with; what may follow leads inside an array, see `protocol.tables.address`.
 _HEAD = re.compile(r"[^.\[\](){}]+")
 #: What the reader of a damaged file is seen to raise.
 _DAMAGE = (
