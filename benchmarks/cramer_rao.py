@@ -26,16 +26,16 @@ from arm.accelerometer import specific_force
 from arm.bench import SensorErrors, with_errors
 from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
-from tracking.course import course_of
-from tracking.expected_readings import room_of
-from tracking.noise import Noise
-from tracking.observation import Observation, observation_of
-from tracking.process import SMOOTHER_PUSH_STD
-from tracking.readings import Readings
-from tracking.smoothed import mend
-from tracking.smoothing_pass import pass_of, smooth_once
-from tracking.start import MountingPrior, start_state
-from tracking.stillness import WINDOW_S, rest_variance, unrest, window_frames, window_of
+from tracking.model.course import course_of
+from tracking.model.expected_readings import room_of
+from tracking.model.initial_state import MountingPrior, start_state
+from tracking.model.noise import Noise
+from tracking.model.observation import Observation, observation_of
+from tracking.model.process_noise import SMOOTHER_PUSH_STD
+from tracking.model.readings import Readings
+from tracking.model.zero_velocity import WINDOW_S, rest_variance, unrest, window_frames, window_of
+from tracking.smoother.smoothed import mend
+from tracking.smoother.smoothing_pass import pass_of, smooth_once
 
 #: An arm rests where no joint is faster [rad/s or m/s].
 _REST_SPEED = 1e-3

@@ -2,7 +2,7 @@
 
 The built-in arm in a vertical plane rests for a second and swings for eleven, at 100 Hz, sensors with noise of
 0.02 m/s^2. Each effect is there in three sizes. Compared are the live filter, one that takes the arm to be exact,
-the smoother that does, and the most probable motion (`tracking.smoothed_frames.most_probable`).
+the smoother that does, and the most probable motion (`tracking.smoother.smoothed_frames.most_probable`).
 """
 
 import argparse
@@ -21,12 +21,12 @@ from arm.model import Arm, Floats
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, emit, run_command
 from limbcal.errors import DataError
-from tracking.kalman_filter import KalmanTracker
-from tracking.readings import Readings, ReadingsBuilder
-from tracking.regaining_filter import RegainingFilter
-from tracking.smoothed import Smoothed
-from tracking.smoothed_frames import most_probable
-from tracking.smoother import Smoother
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.kalman.multiple_model_filter import MultipleModelFilter
+from tracking.model.readings import Readings, ReadingsBuilder
+from tracking.smoother.smoothed import Smoothed
+from tracking.smoother.smoothed_frames import most_probable
+from tracking.smoother.smoother import Smoother
 
 RATE_HZ, SECONDS, REST_S, NOISE_M_S2 = 100.0, 12.0, 1.0, 0.02
 #: Time constant of a base that shakes [s]; ringing of an impact: frequency [Hz], decay [s], strokes a second.
@@ -142,7 +142,7 @@ def of_exact_filter(arm: Arm, readings: Readings, true: Floats) -> tuple[float, 
     """Score the filter that takes the arm to be exact."""
     first = readings.values[: round(0.25 / readings.dt_s)]
     rest = (first, readings.noise, readings.factor, readings.dt_s)
-    course = RegainingFilter(arm, true[0], True, *rest).follow(readings.values)
+    course = MultipleModelFilter(arm, true[0], True, *rest).follow(readings.values)
     return score(course.states[:, :6:3], course.variances, true)
 
 

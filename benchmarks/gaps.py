@@ -19,13 +19,13 @@ from arm.model import Floats
 from arm.simulation import Motion
 from limbcal.arguments import Parser, common_options
 from limbcal.command import console, run_command
-from tracking.decimation import Decimator
-from tracking.noise import noise_of
-from tracking.readings import Readings
-from tracking.regaining_filter import RegainingFilter
-from tracking.smoother import Smoother
-from tracking.stillness import window_frames
-from tracking.striding_filter import StridingFilter
+from tracking.kalman.batch_filter import BatchFilter
+from tracking.kalman.multiple_model_filter import MultipleModelFilter
+from tracking.model.decimation import Decimator
+from tracking.model.noise import noise_of
+from tracking.model.readings import Readings
+from tracking.model.zero_velocity import window_frames
+from tracking.smoother.smoother import Smoother
 
 ARMS = ("dd-arm", "dd-arm-vertical", "spatial-arm")
 _RATE_HZ, _FACTOR = 4000.0, 4
@@ -48,7 +48,7 @@ def errors(name: str, seed: int) -> Mapping[str, Floats]:
     cell, n_cell = window_frames(dt_s)
     q = rest_angles(arm, np.zeros(arm.n_joint))
     found: dict[str, Floats] = {}
-    for kind in (RegainingFilter, StridingFilter):
+    for kind in (MultipleModelFilter, BatchFilter):
         follower = kind(arm, q, True, frames[: cell * n_cell], noise_of(readings[:1000], _RATE_HZ), _FACTOR, dt_s)
         states = follower.follow(frames).states
         found[kind.__name__] = later_errors(states, motion, begin + lost, dt_s)

@@ -37,7 +37,7 @@ from fitter.__main__ import main as fitter
 from fitter.data.motion_file import write_motion
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command
-from tracking.orientations import right_angles, turned
+from tracking.smoother.orientations import right_angles, turned
 
 #: Arms whose sensors feel gravity turn: without it no axis is known from rest.
 ARMS = ("dd-arm-vertical", "spatial-arm")

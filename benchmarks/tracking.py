@@ -28,13 +28,13 @@ from benchmarks.tracking_report import Run, Track, draw, page, score, table
 from fitter.parallel.spawned import in_order
 from limbcal.arguments import Parser
 from limbcal.command import console, emit, run_command, to_json
-from tracking.frames import Frames
-from tracking.integrator import Integrator
-from tracking.kalman_filter import KalmanTracker
-from tracking.readings import Readings, ReadingsBuilder
-from tracking.self_calibration import calibrate_sensors
-from tracking.smoothed_frames import smooth_motion
-from tracking.start import MountingPrior
+from tracking.dead_reckoning.integrator import Integrator
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.model.frames import Frames
+from tracking.model.initial_state import MountingPrior
+from tracking.model.readings import Readings, ReadingsBuilder
+from tracking.smoother.self_calibration import calibrate_sensors
+from tracking.smoother.smoothed_frames import smooth_motion
 
 #: Samples that a live tracker is handed at once, 4 ms as by the daemon, and those that the decimation is.
 _BLOCK, _PIECE = 128, 1 << 16

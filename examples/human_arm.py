@@ -18,9 +18,9 @@ from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm, Floats
 from limbcal.command import emit, say
 from limbcal.errors import DataError, LimbcalError
-from tracking.kalman_filter import KalmanTracker
-from tracking.readings import Readings, ReadingsBuilder
-from tracking.smoothed_frames import smooth_motion
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.model.readings import Readings, ReadingsBuilder
+from tracking.smoother.smoothed_frames import smooth_motion
 
 ARM = Path(__file__).with_name("human-arm.toml")
 DATA = Path(os.environ.get("LIMBCAL_DATA", Path(__file__).parents[1] / ".." / "shared" / "data"))

@@ -19,11 +19,11 @@ from arm.arm_file import load_arm
 from arm.model import Arm, Floats, Vector3
 from limbcal.command import console, emit, say
 from limbcal.errors import DataError, LimbcalError
-from tracking.kalman_filter import KalmanTracker
-from tracking.readings import Readings, ReadingsBuilder
-from tracking.self_calibration import calibrate_sensors
-from tracking.smoothed_frames import smooth_motion
-from tracking.start import MountingPrior
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.model.initial_state import MountingPrior
+from tracking.model.readings import Readings, ReadingsBuilder
+from tracking.smoother.self_calibration import calibrate_sensors
+from tracking.smoother.smoothed_frames import smooth_motion
 
 ARM = Path(__file__).with_name("repo-pendulum.toml")
 #: Rate of the inertial sensors [Hz]; each reading is held in the file until the next.

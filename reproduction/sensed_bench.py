@@ -20,10 +20,10 @@ from fitter.data.measured_tip import measured_tip
 from fitter.data.trial import Trial
 from fitter.sensing.track import trials_of
 from reproduction.bench_data import held_motions, true_arm, unknown_arm
-from tracking.frames import Frames, Phase
-from tracking.integrator import Integrator
-from tracking.readings import ReadingsBuilder
-from tracking.smoothed_frames import smooth_motion
+from tracking.dead_reckoning.integrator import Integrator
+from tracking.model.frames import Frames, Phase
+from tracking.model.readings import ReadingsBuilder
+from tracking.smoother.smoothed_frames import smooth_motion
 
 Method = Literal["smooth", "integrate"]
 #: Frames come at 1 kHz.

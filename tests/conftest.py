@@ -32,7 +32,7 @@ from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
 from tests.patience import PATIENCE_S
 from tests.soak import Long
-from tracking.integrator import Integrator
+from tracking.dead_reckoning.integrator import Integrator
 
 Message = tuple[str, dict[str, Any]]
 BLOCK_S, TAIL_S = 0.1, 5.0

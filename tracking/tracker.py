@@ -5,11 +5,11 @@ from typing import TYPE_CHECKING, Literal, TypeAlias
 import numpy as np
 
 from arm.model import Arm, Floats
-from tracking.consistency import Consistency
-from tracking.integrator import Integrator, Zero
+from tracking.dead_reckoning.integrator import Integrator, Zero
+from tracking.model.innovation_test import Consistency
 
 if TYPE_CHECKING:
-    from tracking.kalman_filter import KalmanTracker
+    from tracking.kalman.kalman_filter import KalmanTracker
 
 Method = Literal["filter", "integrate"]
 Tracker: TypeAlias = "KalmanTracker | Integrator"
@@ -35,7 +35,7 @@ def tracker_of(
         Where the arm rests when tracking begins. With None the filter asks gravity; the integrator takes zero.
     frame_rate_hz : float
     zero : {"each-rest", "first-rest"}
-        See `tracking.integrator.Integrator`; the filter has no use for it.
+        See `tracking.dead_reckoning.integrator.Integrator`; the filter has no use for it.
 
     Raises
     ------
@@ -44,7 +44,7 @@ def tracker_of(
     """
     if method == "filter":
         # It takes filterpy and scipy.stats with it, a second that the paper's method need not wait for.
-        from tracking.kalman_filter import KalmanTracker  # noqa: PLC0415
+        from tracking.kalman.kalman_filter import KalmanTracker  # noqa: PLC0415
 
         return KalmanTracker(arm, rate_hz, initial_q_rad, frame_rate_hz)
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad

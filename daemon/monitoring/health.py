@@ -13,8 +13,8 @@ from daemon.clock.device_clock import ClockState
 from daemon.monitoring.alarms import still_axes
 from daemon.reception.channel_watch import Reading
 from daemon.reception.reception import Reception
-from tracking.consistency import Consistency
-from tracking.frames import Frames
+from tracking.model.frames import Frames
+from tracking.model.innovation_test import Consistency
 
 #: Of the bins in which the latencies of a whole run are counted: a tenth of a millisecond to a minute.
 _EDGES_S = np.geomspace(1e-4, 60.0, 673)

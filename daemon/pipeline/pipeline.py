@@ -18,7 +18,7 @@ from daemon.reception.sample_ledger import Gap
 from daemon.reception.sample_runs import Run
 from daemon.recording.record_link import RecordLink
 from protocol.publisher import Publisher
-from tracking.frames import Frames, Phase
+from tracking.model.frames import Frames, Phase
 from tracking.tracker import Tracker, consistency_of, tracker_of
 
 

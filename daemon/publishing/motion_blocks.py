@@ -6,7 +6,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from arm.model import Floats
-from tracking.frames import Frames
+from tracking.model.frames import Frames
 
 Fields = dict[str, Any]
 

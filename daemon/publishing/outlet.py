@@ -18,7 +18,7 @@ from daemon.recording.record_link import RecordLink
 from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
 from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
-from tracking.frames import Frames, Phase
+from tracking.model.frames import Frames, Phase
 
 
 class Outlet:

@@ -21,7 +21,7 @@ _LOOK_S = 0.01
 _ASK_S = 1.0
 #: A device that was started and sends nothing for so long will not send anything.
 _SILENCE_S = 5.0
-#: Fewer do not tell their noise, which is that of third differences (`tracking/noise.py`).
+#: Fewer do not tell their noise, which is that of third differences (`tracking/model/noise.py`).
 _LEAST_SAMPLES = 4
 #: How long the reader may take to end [s], as in `limbd run`.
 _PATIENCE_S = 5.0

@@ -15,7 +15,7 @@ from daemon.zero_offset.sample_burst import sample_burst
 from limbcal.command import say, show
 from limbcal.digits import NORMAL_95, with_half_width
 from limbcal.errors import ConfigError, NotIdentifiable
-from tracking.noise import noise_of
+from tracking.model.noise import noise_of
 
 #: Length of a mean [s]: long enough to average out the hum of motors that hold the arm, at 50 Hz and above.
 _CELL_S = 0.1

@@ -15,7 +15,7 @@ from fitter.sensing.sensors import SensorsFit, fit_sensors
 from fitter.sensing.verdict import DOUBTED
 from limbcal.command import Document, console, say, say_notes, show
 from limbcal.note import documents, of_source
-from tracking.start import MountingPrior
+from tracking.model.initial_state import MountingPrior
 
 _PRIOR = MountingPrior()
 

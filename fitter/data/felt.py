@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from tracking.noise import Noise
-from tracking.readings import Readings
+from tracking.model.noise import Noise
+from tracking.model.readings import Readings
 
 Floats = NDArray[np.float64]
 

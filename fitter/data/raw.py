@@ -18,7 +18,7 @@ from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import DRIVE_ROLES, JOINT_ROLES, parse_mapping
 from protocol.tables.files import RECORDINGS, expand
-from tracking.readings import Readings, ReadingsBuilder
+from tracking.model.readings import Readings, ReadingsBuilder
 
 Floats = NDArray[np.float64]
 

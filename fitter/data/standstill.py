@@ -1,8 +1,8 @@
 """Which joints move, by their speed: the one decision on standstill wherever the velocities of a motion are given.
 
-Readings of accelerometers have detectors of their own (`tracking.rest`, `tracking.stillness`), for they show no
-velocity; and so has static friction (`fitter.dynamics.stands`), which must know a joint to stand far below the
-speed at which it stops being of use to a fit.
+Readings of accelerometers have detectors of their own (`tracking.dead_reckoning.rest`,
+`tracking.model.zero_velocity`), for they show no velocity; and so has static friction (`fitter.dynamics.stands`),
+which must know a joint to stand far below the speed at which it stops being of use to a fit.
 """
 
 import numpy as np

@@ -11,7 +11,7 @@ from arm.drive_state import DriveState
 from fitter.data.derivatives import lowpass
 from limbcal.note import Note
 from protocol.tables.columns import DRIVE_ROLES
-from tracking.draws import Draws
+from tracking.model.draws import Draws
 
 Floats = NDArray[np.float64]
 Role = Literal["learn", "evaluate"]
@@ -65,7 +65,7 @@ class Trial:
     drives : arm.drive_state.DriveState, or None
         Where the drives are engaged, and gains of the trial's own, on the same grid; None where the arm's law says
         all. Their columns ``on kp kv`` are then in ``whole`` too. A drive that is let go gives no torque.
-    draws : tracking.draws.Draws, or None
+    draws : tracking.model.draws.Draws, or None
         The motion as it may have been, where its tracker says so; of its points those of the tip's sensor. Each
         sample then stands for a step of the readings that it was found from, and one that an acceleration jumps in
         for none.

@@ -21,7 +21,7 @@ from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.live.estimated_again import estimated_again
 from limbcal.errors import DataError, LimbcalError
-from tracking.motion_follower import MotionFollower
+from tracking.smoother.motion_follower import MotionFollower
 
 #: Generations that are bred on a new motion before the best geometry is brought to its optimum.
 _LITTER = 26

@@ -6,8 +6,8 @@ import numpy as np
 
 from fitter.data.felt import Felt
 from fitter.data.motions import Measured
-from tracking.draws import Draws
-from tracking.motion_follower import MotionFollower
+from tracking.model.draws import Draws
+from tracking.smoother.motion_follower import MotionFollower
 
 
 def estimated_again(follower: MotionFollower, motion: Measured, felt: Felt) -> tuple[Measured, Draws]:

@@ -14,8 +14,8 @@ from fitter.data.felt import STEP_S, Felt
 from fitter.data.motions import Measured
 from fitter.live.calibration import Calibration
 from limbcal.compilation import said_when_compiling
-from tracking.noise import Noise
-from tracking.readings import Readings
+from tracking.model.noise import Noise
+from tracking.model.readings import Readings
 
 #: The kernels are the same for every arm; a few short motions are through with soonest.
 _ARM = "dd-arm"

@@ -17,8 +17,8 @@ from fitter.diagnosis.least_squares import SIGMAS
 from fitter.reading_diagnosis.elimination import motion_at_knots
 from fitter.reading_diagnosis.sensor_frames import TrialFrames
 from limbcal.compiled import compiled
-from tracking.expected_readings import observe, room_of
-from tracking.observation import Observation, observation_of
+from tracking.model.expected_readings import observe, room_of
+from tracking.model.observation import Observation, observation_of
 
 
 @dataclass(frozen=True)
@@ -108,7 +108,7 @@ class Linearisation:
         With delay and forgetting undone.
     expected : (n, n_channel) [m/s^2]
     slope : (n, n_channel, n_state)
-        By the state of `tracking.observation`.
+        By the state of `tracking.model.observation`.
     integral : (n, n_channel) [m/s]
         Of the readings without bias, since the trial began.
     clipped : (n, n_channel)

@@ -31,7 +31,7 @@ from fitter.reading_diagnosis.sensor_verdict import (
 )
 from fitter.reading_diagnosis.trial_equations import Trials
 from limbcal.errors import ConfigError, DataError, NotIdentifiable
-from tracking.noise import step_of
+from tracking.model.noise import step_of
 
 
 def diagnose_sensors(

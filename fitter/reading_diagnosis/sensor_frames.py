@@ -17,7 +17,7 @@ from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 from fitter.data.raw import RawRun
 from limbcal.errors import DataError
-from tracking.noise import noise_of
+from tracking.model.noise import noise_of
 
 #: An arm's own motion is slower, and what is faster is left to its accelerations.
 FRAME_RATE_HZ = 100.0

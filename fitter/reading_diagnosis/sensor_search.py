@@ -28,10 +28,10 @@ from fitter.reading_diagnosis.sensor_screening import Screened, base_frequencies
 from fitter.reading_diagnosis.suspected_effects import EFFECTS
 from fitter.reading_diagnosis.trial_equations import Trials
 from limbcal.errors import DataError
-from tracking.coarsening import finer
-from tracking.readings import Readings
-from tracking.rough_motion import rough_motion
-from tracking.smoother import Smoother
+from tracking.model.readings import Readings
+from tracking.smoother.coarsening import finer
+from tracking.smoother.rough_motion import rough_motion
+from tracking.smoother.smoother import Smoother
 
 #: What a cause must explain, and by what it must beat a rival: squared, in noise units. Chosen by hand, with
 #: a margin over 16 runs of the bench without any effect (seeds 1001 to 1003 and 1010 to 1014, lying and hanging):

@@ -13,7 +13,7 @@ from arm.model import Floats
 from fitter.reading_diagnosis.linearisation import Instruments, Linearisation, added, turn_by_angles
 from fitter.reading_diagnosis.sensor_frames import TrialFrames
 from fitter.reading_diagnosis.sensor_hypotheses import Change, Columns, SensorEffect, bias_columns
-from tracking.observation import MOUNTING
+from tracking.model.observation import MOUNTING
 
 
 def _drift_columns(at: Linearisation, sensor: int) -> Floats:

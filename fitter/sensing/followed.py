@@ -8,8 +8,8 @@ from numpy.typing import NDArray
 from arm.model import Arm
 from fitter.data.raw import RawRun
 from fitter.sensing.verdict import Verdict, merged, verdict_of
-from tracking.frames import Frames, Phase
-from tracking.smoothed_frames import smooth_motion
+from tracking.model.frames import Frames, Phase
+from tracking.smoother.smoothed_frames import smooth_motion
 from tracking.tracker import Tracker, consistency_of
 
 Floats = NDArray[np.float64]

@@ -7,8 +7,8 @@ from dataclasses import dataclass, replace
 from arm.model import Arm, Floats
 from fitter.data.raw import RawRun
 from fitter.search.fitted_parameter import FittedParameter
-from tracking.self_calibration import SensorCalibration, calibrate_sensors
-from tracking.start import MountingPrior
+from tracking.model.initial_state import MountingPrior
+from tracking.smoother.self_calibration import SensorCalibration, calibrate_sensors
 
 #: The constants of a sensor need no more frames a second than motions do.
 FRAME_RATE_HZ = 1000.0

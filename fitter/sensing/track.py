@@ -13,8 +13,8 @@ from fitter.data.measured_tip import measured_tip
 from fitter.data.raw import RawRun
 from fitter.sensing.followed import Followed, follow, smoothed
 from fitter.sensing.verdict import Verdict
-from tracking.frames import Phase
-from tracking.integrator import Zero
+from tracking.dead_reckoning.integrator import Zero
+from tracking.model.frames import Phase
 from tracking.tracker import tracker_of
 
 Floats = NDArray[np.float64]
@@ -82,7 +82,7 @@ def track_run(
     method : {"integrate", "filter", "smooth"}
         The paper's, the Kalman filter, or the smoother, for which every reading counts at every instant.
     zero : {"each-rest", "first-rest"}
-        Of the paper's method, see `tracking.integrator.Integrator`.
+        Of the paper's method, see `tracking.dead_reckoning.integrator.Integrator`.
 
     Raises
     ------

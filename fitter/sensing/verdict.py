@@ -7,8 +7,8 @@ from typing import Any
 
 import numpy as np
 
-from tracking.consistency import Consistency
-from tracking.smoothed import SIGMAS, Smoothed
+from tracking.model.innovation_test import Consistency
+from tracking.smoother.smoothed import SIGMAS, Smoothed
 
 #: Readings contradict the arm if more of them than this are doubted.
 DOUBTED = 0.01

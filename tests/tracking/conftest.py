@@ -12,10 +12,10 @@ from arm.arm_file import load_arm
 from arm.bench import Bench, Sensors, draw_sensor_errors, motions, rest_angles
 from arm.counts import COUNT_M_S2
 from arm.model import Arm, Control, Floats, Friction, Joint, Link, Sensor, Tip
-from tracking.frames import Frames, Phase
-from tracking.integrator import Integrator
-from tracking.kalman_filter import KalmanTracker
-from tracking.readings import Readings, ReadingsBuilder
+from tracking.dead_reckoning.integrator import Integrator
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.model.frames import Frames, Phase
+from tracking.model.readings import Readings, ReadingsBuilder
 
 RUBBING = Friction(0.2, 0.05, 0.05)
 

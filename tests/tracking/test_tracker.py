@@ -5,9 +5,9 @@ import pytest
 
 from arm.model import Arm
 from limbcal.errors import ConfigError
-from tracking.consistency import Consistency
-from tracking.integrator import Integrator
-from tracking.kalman_filter import KalmanTracker
+from tracking.dead_reckoning.integrator import Integrator
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.model.innovation_test import Consistency
 from tracking.tracker import consistency_of, tracker_of
 
 STILL = np.tile([0.0, 0.0, 9.80665], (4000, 4))

@@ -16,8 +16,8 @@ from daemon.reception.reception import Reception
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
-from tracking.consistency import Consistency
-from tracking.frames import Frames
+from tracking.model.frames import Frames
+from tracking.model.innovation_test import Consistency
 
 DT_S = 1e-3
 T0_NS = 1_700_000_000_000_000_000

@@ -14,7 +14,7 @@ from daemon.publishing.motion_blocks import (
     raw_message,
 )
 from protocol.plot import plot_rows, plot_step
-from tracking.frames import Frames
+from tracking.model.frames import Frames
 
 DT_S = 1e-3
 T0_NS = 1_700_000_000_000_000_000

@@ -14,7 +14,7 @@ from daemon.recording.record_link import Context, Entry, RecordInlet, RecordLink
 from protocol.message import FRAMES, PLOT, RAW, TRIAL, decode
 from protocol.publisher import Publisher
 from tests.patience import PATIENCE_S
-from tracking.frames import Frames, Phase
+from tracking.model.frames import Frames, Phase
 
 RATE_HZ = 32000.0
 

@@ -11,7 +11,7 @@ from fitter.data.trial import Trial
 from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.fit import fit_dynamics
 from fitter.kinematics.tip_basis import geometry_of
-from tracking.draws import Draws
+from tracking.model.draws import Draws
 
 N_DRAW = 3
 

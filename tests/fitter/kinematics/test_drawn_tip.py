@@ -12,7 +12,7 @@ from fitter.data.measured_tip import measured_tip
 from fitter.data.trial import Trial
 from fitter.kinematics.drawn_tip import drawn_geometry
 from fitter.kinematics.geometry_fit import fit_kinematics
-from tracking.draws import Draws
+from tracking.model.draws import Draws
 
 N_DRAW = 3
 

@@ -10,7 +10,7 @@ from fitter.dynamics.fit import fit_dynamics
 from fitter.live.calibration import Calibration
 from fitter.live.stream import MotionAssembler
 from protocol.message import FRAMES, TRIAL
-from tracking.draws import DRAWS
+from tracking.model.draws import DRAWS
 from tracking.tracker import tracker_of
 
 #: As the bench's sensors have: what a converter rounds off is then noise like any other.

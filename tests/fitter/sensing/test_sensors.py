@@ -10,7 +10,7 @@ from arm.counts import COUNT_M_S2
 from fitter.data.raw import RawRun
 from fitter.sensing.sensors import fit_sensors
 from fitter.sensing.track import track_run
-from tracking.start import MountingPrior
+from tracking.model.initial_state import MountingPrior
 
 RATE_HZ = 4000.0
 

@@ -14,7 +14,7 @@ from fitter.data.raw import RawRun
 from fitter.sensing.track import track_run, trials_of
 from fitter.sensing.verdict import Verdict
 from limbcal.errors import ConfigError
-from tracking.frames import Phase
+from tracking.model.frames import Phase
 
 
 @pytest.fixture(scope="module")

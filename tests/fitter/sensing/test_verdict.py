@@ -3,7 +3,7 @@
 import pytest
 
 from fitter.sensing.verdict import Verdict, overall, verdict_of
-from tracking.consistency import Consistency
+from tracking.model.innovation_test import Consistency
 
 
 def test_instants_become_a_share_of_the_frames():

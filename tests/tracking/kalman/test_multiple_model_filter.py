@@ -1,0 +1,102 @@
+"""After a gap within a motion the joints turn the way they do, which no single instant shows."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.bench import Bench
+from tracking.kalman.kalman_filter import KalmanTracker
+from tracking.kalman.multiple_model_filter import MultipleModelFilter
+from tracking.model.decimation import Decimator
+from tracking.model.expected_readings import observe, room_of
+from tracking.model.noise import noise_of
+from tracking.model.observation import observation_of
+from tracking.model.zero_velocity import window_frames
+
+RATE_HZ, FACTOR = 4000.0, 4
+
+
+def through_a_gap(recording, begin_s, lost_s, until_s):
+    """Return time [s] and frames of an arm of which a while is not seen."""
+    begin, end, until = (round(s * RATE_HZ) for s in (begin_s, begin_s + lost_s, until_s))
+    tracker = KalmanTracker(recording.arm, RATE_HZ, recording.q[0])
+    frames = tracker.push(0, recording.readings[:begin])[0] + tracker.gap(end - begin)[0]
+    for first in range(end, until, 40):
+        block = recording.readings[first : min(first + 40, until)]
+        frames += tracker.push(round(first * recording.dt_ns), block)[0]
+    return frames
+
+
+@pytest.mark.parametrize("name", ["dd_arm", "vertical_arm", "spatial"])
+@pytest.mark.parametrize(("begin_s", "lost_s"), [(0.8, 0.3), (0.7, 0.5), (0.9, 1.2)])
+def test_speeds_are_right_half_a_second_after_a_gap(name, begin_s, lost_s, request, recorded, gather):
+    arm = request.getfixturevalue(name)
+    wrong = 0
+    for seed in (11, 12, 13):
+        recording = recorded(arm, Bench(RATE_HZ, learning=1, evaluating=0), seed, 1.0)
+        after_s = begin_s + lost_s
+        tracked = gather(recording, through_a_gap(recording, begin_s, lost_s, after_s + 0.7), [])
+        late = tracked.t_ns > 1e9 * (after_s + 0.5)
+        wrong += np.abs(tracked.dq - tracked.truth("dq"))[late].max() > 0.15
+    assert wrong <= 1  # an arm that turns slower than a tenth of a radian a second may be held to turn either way
+
+
+def test_an_instant_does_not_show_which_way_an_arm_turns(dd_arm):
+    """The level arm reads the same with every speed turned round, and with those of either link."""
+    of, size = observation_of(replace(dd_arm, gravity_m_s2=(0.0, 0.0, 0.0)))
+    readings = []
+    for first, second in ((1.0, 1.0), (-1.0, -1.0), (1.0, -1.0), (-1.0, 1.0)):
+        x = np.zeros(size)
+        x[[0, 2, 3, 5]] = 0.3, 1.0, -0.4, 2.0
+        x[1], x[4] = 0.7 * first, 1.9 * second - 0.7 * first  # links turn by 0.7 and 1.9 rad/s, either way
+        reading, slope = np.empty(12), np.zeros((12, size))
+        observe(of, room_of(2), x, reading, slope)
+        readings.append(reading)
+    np.testing.assert_allclose(readings, np.tile(readings[0], (4, 1)), rtol=0, atol=1e-12)
+
+
+@pytest.fixture(scope="module")
+def seen(level_bench):
+    """Return an arm's frames with two gaps, the second right after the first was got over."""
+    made = Decimator(FACTOR, 12).push(level_bench.readings[:12_000])
+    made[900:1300] = np.nan
+    made[1325:1700] = np.nan
+    return level_bench.arm, made, noise_of(level_bench.readings[:1000], RATE_HZ)
+
+
+@pytest.mark.parametrize("size", [1, 7, 10, 640])
+def test_it_is_the_same_however_readings_come(seen, size):
+    arm, readings, noise = seen
+    cell, n_cell = window_frames(FACTOR / RATE_HZ)
+    courses = []
+    for piece in (len(readings), size):
+        one = MultipleModelFilter(
+            arm, np.zeros(2), True, readings[: cell * n_cell], noise, FACTOR, FACTOR / RATE_HZ
+        )
+        courses.append([one.follow(readings[k : k + piece]) for k in range(0, len(readings), piece)])
+    for whole, *pieces in zip(*courses[0], *courses[1], strict=True):
+        np.testing.assert_array_equal(whole, np.concatenate(pieces))
+
+
+def test_readings_without_any_sense_are_survived(seen):
+    arm, readings, noise = seen
+    cell, n_cell = window_frames(FACTOR / RATE_HZ)
+    one = MultipleModelFilter(arm, np.zeros(2), True, readings[: cell * n_cell], noise, FACTOR, FACTOR / RATE_HZ)
+    one.follow(readings[:1300])
+    nonsense = np.random.default_rng(0).normal(0.0, 50.0, (100, 12))
+    nonsense[:40, 5] = np.nan
+    assert np.isfinite(one.follow(nonsense).states).all()
+    assert np.isfinite(one.follow(readings[1300:1320]).states).all()
+
+
+def test_after_an_hour_the_angles_are_about_where_they_were(level_bench):
+    """However fast the arm went: a level arm's angles are shown by nothing."""
+    begin = 4000
+    tracker = KalmanTracker(level_bench.arm, RATE_HZ, level_bench.q[0])
+    tracker.push(0, level_bench.readings[:begin])
+    hour = round(3600 * RATE_HZ)
+    tracker.gap(hour)
+    after, _ = tracker.push(round((begin + hour) * level_bench.dt_ns), level_bench.readings[6000:8000])
+    assert np.abs(level_bench.dq[begin]).max() > 0.3
+    assert max(np.abs(f.q - level_bench.q[begin]).max() for f in after) < 2.0

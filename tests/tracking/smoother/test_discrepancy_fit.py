@@ -1,0 +1,62 @@
+"""Sizes of what a model lacks: rounds raise the likelihood, and a race ends with the likeliest."""
+
+import numpy as np
+import pytest
+
+from arm.model import Arm
+from tests.tracking.smoother.test_discrepancy_smoother import case
+from tracking.model.course import course_of
+from tracking.model.initial_state import MountingPrior, start_state
+from tracking.model.observation import observation_of
+from tracking.model.process_noise import SMOOTHER_PUSH_STD
+from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, departure, likeliest
+
+
+def fit_of(arm: Arm, seed: int, memory_s: float) -> DiscrepancyFit:
+    readings = case(arm, seed, lack=0.3).readings
+    course = course_of(readings, 2)._replace(push=np.full(2, SMOOTHER_PUSH_STD**2))
+    own = observation_of(arm)[1]
+    of, size = observation_of(arm, lack=True, clocks=True)
+    start = start_state(arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
+    return DiscrepancyFit(arm, of, size, course, memory_s, start, Begin(None, departure(of, course)), own)
+
+
+def test_rounds_raise_the_likelihood_and_come_to_an_end(vertical_arm: Arm) -> None:
+    fit, seen = fit_of(vertical_arm, 1, 0.1), []
+    while not fit.is_done:
+        fit.advance()
+        seen.append(fit.log_likelihood)
+    assert fit.converged and np.diff(seen).min() > 0.0
+    assert seen[-1] <= fit.limit <= fit.log_likelihood + 100.0
+    assert fit.sizes.lack_std == pytest.approx(0.3, rel=0.2)
+
+
+class Racer:
+    """Comes nearer to a limit by half of what is missing in every round."""
+
+    def __init__(self, limit: float, rounds: int = 30) -> None:
+        self.limit, self.rounds, self.done, self.log_likelihood, self._gain = limit, rounds, 0, limit - 1e4, 1e9
+
+    @property
+    def is_done(self) -> bool:
+        return self.done == self.rounds
+
+    @property
+    def most_log_likelihood(self) -> float:
+        return self.log_likelihood + (self.rounds - self.done) * self._gain
+
+    def advance(self) -> None:
+        self._gain = 0.5 * (self.limit - self.log_likelihood)
+        self.log_likelihood += self._gain
+        self.done += 1
+
+
+def test_a_race_is_won_by_the_likeliest_and_the_hopeless_give_up() -> None:
+    racers, rounds = [Racer(0.0), Racer(10.0), Racer(-5e3)], []
+    assert likeliest(racers, [0.0] * 3, lambda: rounds.append(1)) is racers[1]
+    assert racers[2].done < 15 and len(rounds) == sum(one.done for one in racers)
+
+
+def test_prior_odds_against_a_kind_count() -> None:
+    racers = [Racer(0.0), Racer(10.0)]
+    assert likeliest(racers, [0.0, 11.0], lambda: None) is racers[0]

@@ -1,0 +1,1 @@
+"""The paper's tracker: moving average, double integration, from rest to rest."""

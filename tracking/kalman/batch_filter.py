@@ -1,0 +1,93 @@
+"""The live filter in strides: as many frames at once as nothing happens in, the others one at a time."""
+
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from arm.model import Floats
+from tracking.kalman.batch_step import stride
+from tracking.kalman.live_filter import LiveFilter
+
+
+class Course(NamedTuple):
+    """What came of readings, frame by frame.
+
+    Attributes
+    ----------
+    states : (n, 3 * n_joint + n_channel)
+        The state's beginning: angles and their derivatives, offsets.
+    variances : (n, n_joint)
+        Of the angles.
+    still, resting : (n,)
+        Whether the arm was held to be at rest, and whether it is now known to rest.
+    """
+
+    states: Floats
+    variances: Floats
+    still: NDArray[np.bool_]
+    resting: NDArray[np.bool_]
+
+
+class BatchFilter(LiveFilter):
+    """A live filter that takes in many readings; what it makes of them is what `step` does, bit for bit."""
+
+    def follow(self, readings: Floats) -> Course:
+        """Do `step` with each of some readings, (n, n_channel)."""
+        n, known = len(readings), 3 * self._n + self._n_channel
+        course = Course(np.empty((n, known)), np.empty((n, self._n)), np.empty(n, np.bool_), np.empty(n, np.bool_))
+        k = 0
+        while k < n:
+            taken = self._stride(readings[k:], course, k)
+            if not taken:
+                course.still[k] = self.step(readings[k])
+                course.states[k], course.variances[k] = self.x[:known], self.angle_variance
+                taken = 1
+            k += taken
+            course.resting[k - 1] = self.resting
+        return course
+
+    def _stride(self, readings: Floats, course: Course, k: int) -> int:
+        """Take in readings of this cell while nothing happens; return how many."""
+        if not self._begun or self._any_coupled:
+            return 0
+        kf, still, here = self._kf, self._still, slice(k, k + self._cell - self._in_cell)
+        readings, sizes = readings[: self._cell - self._in_cell], np.empty(len(readings))
+        noise = self._rest_noise if still else self._moving_noise
+        rows = len(noise)
+        try:
+            count, kf.x, kf.P = stride(
+                self._of,
+                self._room,
+                kf.F,
+                kf.Q,
+                kf.x,
+                kf.P,
+                readings,
+                self._rest_at,
+                still,
+                noise,
+                self._limits[still],
+                self._slope[:rows],
+                self._predicted[:rows],
+                course.states[here],
+                course.variances[here],
+                sizes,
+                self._total,
+            )
+        except np.linalg.LinAlgError:
+            return 0
+        if not count:
+            return 0
+        for squared in sizes[:count].tolist():
+            self._judge.note(squared / rows, jolted=False, doubted=False)
+        course.still[k : k + count], course.resting[k : k + count] = still, self.resting
+        self._last = readings[count - 1]
+        self.loss.find()
+        misfit = float(sizes[:count].sum())
+        self.misfit, self._strain = self.misfit + misfit, self._strain + misfit / rows
+        self._strained += count
+        self._in_cell += count
+        if self._in_cell == self._cell:
+            self._close_cell()
+        return count

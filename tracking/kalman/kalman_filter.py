@@ -1,0 +1,215 @@
+"""The live tracker: an extended Kalman filter over the readings of all sensors at once.
+
+It knows how rigidly mounted accelerometers must read together, so two sensors on a link show how it turns without
+any integration, an elbow's acceleration shows in two frames, and where gravity shows the angles it holds them.
+Gyroscopes, where the arm's sensors have them, show how links turn. It says how well it knows the angles, and when
+its readings contradict the arm.
+"""
+
+import numpy as np
+
+from arm.chain import chain_of
+from arm.kinematics import tips_of
+from arm.model import Arm, Floats
+from limbcal.errors import ConfigError, DataError
+from tracking.kalman.adaptive_filter import AdaptiveFilter
+from tracking.model.decimation import Decimator
+from tracking.model.frames import Frames, Phase
+from tracking.model.innovation_test import Consistency
+from tracking.model.noise import StepWatch, noise_of
+from tracking.model.sensor_paths import SensorPaths
+from tracking.model.zero_velocity import window_frames
+
+#: Longer gaps than this are not filled with predicted frames [s].
+_LONGEST_BRIDGE_S = 1.0
+#: Readings that a start needs at the least.
+_FEWEST = 8
+
+
+class KalmanTracker:
+    """Joint motion by an extended Kalman filter at the frame rate.
+
+    Parameters
+    ----------
+    arm : Arm
+        Its sensors' scale, offset and corner are used; its lengths as far as ``length_std_m`` says. Its sensors'
+        gyroscopes are read.
+    rate_hz : float
+    initial_q_rad : (n_joint,) or None
+        Where the arm rests when tracking begins. With None it rests where gravity says, and at zero for angles
+        that gravity does not show.
+    frame_rate_hz : float
+        Rounded to what divides the sampling rate, which it is where that is lower.
+
+    Raises
+    ------
+    ConfigError
+        If the arm has no sensor, or a number makes no sense.
+    """
+
+    method = "filter"
+
+    def __init__(
+        self, arm: Arm, rate_hz: float, initial_q_rad: Floats | None, frame_rate_hz: float = 1000.0
+    ) -> None:
+        q0 = np.zeros(arm.n_joint) if initial_q_rad is None else np.array(initial_q_rad, dtype=float)
+        if q0.shape != (arm.n_joint,):
+            raise ConfigError(f"initial_q_rad has shape {q0.shape}, expected one angle a joint ({arm.n_joint},)")
+        if not frame_rate_hz > 0.0:
+            raise ConfigError(f"frame_rate_hz is {frame_rate_hz:g}, expected more than 0")
+        if not arm.sensors:
+            raise ConfigError(f"arm {arm.name!r}: it has no [[sensor]], expected at least one")
+        self._chain = chain_of(arm)
+        self._arm, self._q0, self._given = arm, q0, initial_q_rad is not None
+        self._rate_hz = rate_hz
+        self._factor = max(1, round(rate_hz / frame_rate_hz))
+        self.dt_s = self._factor / rate_hz
+        self._n_channel, self._n_acceleration = arm.n_channel, 3 * len(arm.sensors)
+        self._decimator = Decimator(self._factor, self._n_channel)
+        self._paths = SensorPaths(arm, self.dt_s)
+        self._waiting: list[Floats] = []  # readings before the filter has begun
+        cell, n_cell = window_frames(self.dt_s)
+        self._first_frames = cell * n_cell
+        last = (self._first_frames - 1) * self._factor + self._factor // 2
+        self._to_wait = last + 1 + self._decimator.delay_samples
+        self._filter: AdaptiveFilter | None = None
+        self._sample = 0
+        self._frame = 0
+        self._trial = 0
+        self._resting = True
+        self._lost = False
+
+    def push(self, t0_ns: int, readings: Floats) -> tuple[list[Frames], list[Phase]]:
+        """Take in readings and give out the frames and phases that they complete.
+
+        Parameters
+        ----------
+        t0_ns : int
+            Time of the first reading.
+        readings : (n, n_channel)
+            Specific force in each sensor's own axes [m/s^2], columns s1x s1y s1z s2x ..., and after those of all
+            sensors, where the arm's have gyroscopes, angular velocity in the same axes [rad/s], columns s1gx ...
+
+        Returns
+        -------
+        frames : list of Frames
+        phases : list of Phase
+
+        Raises
+        ------
+        DataError
+            If the number of columns is not three a sensor and three a gyroscope.
+        """
+        if readings.ndim != 2 or readings.shape[1] != self._n_channel:
+            raise DataError(f"readings have shape {readings.shape}, expected (n, {self._n_channel})")
+        self._anchor_ns, self._anchor_sample = t0_ns, self._sample
+        self._sample += len(readings)
+        if self._filter is None:
+            self._waiting.append(readings)
+            if sum(map(len, self._waiting)) < self._to_wait:
+                return [], []
+            return self._begin()
+        self._look(readings)
+        return self._follow(self._decimator.push(readings))
+
+    def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
+        """Bridge samples that were lost: the motion goes on as predicted, ever less certain.
+
+        Returns what the samples before the gap still complete, and the frames that bridge it; where it is longer
+        than a second only that second of them.
+        """
+        frames, phases = self.flush()
+        self._sample += n_samples
+        missing = self._decimator.skip(n_samples)
+        if self._filter is None or missing <= 0:
+            self._frame += max(0, missing)
+            self._lost = True
+            return frames, phases
+        bridged = min(missing, round(_LONGEST_BRIDGE_S / self.dt_s))
+        more, begun = self._follow(np.full((bridged, self._n_channel), np.nan))
+        self._frame += missing - bridged
+        self._filter.skip(missing - bridged)
+        self._lost = True
+        return frames + more, phases + begun
+
+    def flush(self) -> tuple[list[Frames], list[Phase]]:
+        """Give out what waits for more samples, at the end of a recording."""
+        frames: list[Frames] = []
+        phases: list[Phase] = []
+        if self._filter is None and sum(map(len, self._waiting)) >= _FEWEST:
+            frames, phases = self._begin()
+        more, ended = self._follow(self._decimator.flush())
+        return frames + more, phases + ended
+
+    def retime(self, rate_hz: float) -> None:
+        """Go on with samples of a rate that differs so little that a frame stays as many samples.
+
+        Parameters
+        ----------
+        rate_hz : float
+        """
+        self._rate_hz, self.dt_s = rate_hz, self._factor / rate_hz
+        self._paths.retime(self.dt_s)
+        if self._filter is not None:
+            self._filter.retime(self.dt_s)
+
+    def consistency(self) -> Consistency:
+        """Return how well the readings since the last call fit the filter's own claims."""
+        if self._filter is None:
+            return Consistency(None, 0, 0, False)
+        return self._filter.consistency()
+
+    def _begin(self) -> tuple[list[Frames], list[Phase]]:
+        """Learn the noise and start the filter, from the readings of the first quarter of a second."""
+        readings = np.vstack(self._waiting)
+        self._waiting = []
+        n_gyro = self._n_channel - self._n_acceleration
+        noise = noise_of(readings[: self._to_wait], self._rate_hz, n_gyro)
+        self._watch = StepWatch(noise, n_gyro)
+        frames = self._decimator.push(readings)
+        first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
+        self._filter = AdaptiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
+        self._look(readings)
+        return self._follow(frames)
+
+    def _look(self, readings: Floats) -> None:
+        """Learn the converter's step, before anything that it explains is taken in."""
+        if self._filter is not None and self._watch.look(readings):
+            self._filter.learn(self._watch.noise)
+
+    def _follow(self, readings: Floats) -> tuple[list[Frames], list[Phase]]:
+        if not len(readings) or self._filter is None:
+            return [], []
+        n, n_joint = len(readings), self._arm.n_joint
+        course = self._filter.follow(readings)
+        phases: list[Phase] = []
+        for k, resting in enumerate(course.resting.tolist()):
+            if resting != self._resting:
+                self._resting = resting
+                self._trial += not resting
+                phases.append(Phase("end" if resting else "begin", self._time_ns(self._frame + k), self._trial))
+        joint, offset = course.states[:, : 3 * n_joint], course.states[:, 3 * n_joint :]
+        q = joint[:, ::3].copy()
+        missing = np.isnan(readings[:, 0])
+        frames = Frames(
+            self._frame,
+            self._time_ns(self._frame),
+            self.dt_s,
+            q,
+            joint[:, 1::3].copy(),
+            joint[:, 2::3].copy(),
+            tips_of(self._chain, q),
+            self._paths.follow(q, (readings - offset)[:, : self._n_acceleration], course.still),
+            self._lost or bool(missing.any()),
+            np.sqrt(course.variances),
+            readings,
+            self._watch.noise.parts_of_mean(self._factor),
+        )
+        self._frame += n
+        self._lost = False
+        return [frames], phases
+
+    def _time_ns(self, frame: int) -> int:
+        """Return the time of a frame, as the latest push has it: it is centred on its own sample."""
+        sample = frame * self._factor + self._factor // 2
+        return self._anchor_ns + round((sample - self._anchor_sample) / self._rate_hz * 1e9)

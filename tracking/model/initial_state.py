@@ -1,0 +1,201 @@
+"""What is held of the state before the first reading."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from arm.model import Arm, Floats, SensorCovariance, Vector3
+from tracking.model.expected_readings import observe, room_of
+from tracking.model.observation import ABSENT, GYRO_SCALE_NAMES, MOUNTING, MOUNTING_NAMES, Observation
+
+#: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
+#: readings, taken together, show how large the offsets of these sensors are [m/s^2].
+_OFFSET_STD, _LEAST_OFFSET_STD, _MOST_OFFSET_STD = 0.2, 0.02, 0.5
+#: Factor on what they show, for the standard deviation of few offsets is itself uncertain; a convention.
+_OFFSET_MARGIN = 2.0
+#: A gyroscope's offset: six degrees a second, as data sheets of consumers' chips have it [rad/s].
+_RATE_OFFSET_STD = 0.1
+#: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
+_UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
+#: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
+#: zero.
+GIVEN_STD, GUESSED_STD = 0.01, 1.0
+#: An angle that is the zero by definition [rad or m]: as little as keeps a covariance from being singular.
+_EXACT_STD = 1e-5
+#: Speed of an arm that is taken to rest at first [rad/s or m/s]: about half a degree a second, a convention.
+_SPEED_STD = 1e-2
+#: Accelerations of an arm that rests, and of one that doesn't [rad/s^2 or m/s^2]: conventions.
+_RESTING_STD, _MOVING_STD = 0.05, 10.0
+#: A length that the arm file does not say the accuracy of may be a guess [m].
+_LEAST_LENGTH_STD_M = 0.1
+#: A corner is known to a third, as resistors and capacitors are.
+_CORNER_SHARE = 0.3
+
+
+@dataclass(frozen=True)
+class MountingPrior:
+    """How carefully sensors are mounted and made: standard deviations.
+
+    ``place_share`` is that of each coordinate of a place as a share of it, besides ``place_m``; ``length_share``
+    that of a length of which the arm file does not say how well it is known.
+    """
+
+    scale: float = 0.01
+    turn_rad: float = 0.0175
+    place_m: float = 0.002
+    place_share: float = 0.0
+    length_share: float = 1.0
+
+    def stds(self, position_m: Vector3) -> Floats:
+        """Return those of scale, turn and place of a sensor that sits somewhere, (9,)."""
+        place = np.hypot(self.place_m, self.place_share * np.asarray(position_m))
+        return np.concatenate([np.full(3, self.scale), np.full(3, self.turn_rad), place])
+
+
+#: Sensors that were mounted by eye, ten degrees and a centimetre, whose places and lengths are guesses to a third.
+ROUGH = MountingPrior(turn_rad=0.175, place_m=0.01, place_share=0.3, length_share=0.3)
+
+
+def start_state(
+    arm: Arm,
+    of: Observation,
+    size: int,
+    first: Floats,
+    steady: bool,
+    q: Floats,
+    given: bool,
+    mounting: MountingPrior,
+) -> tuple[Floats, Floats]:
+    """Return state and covariance before the first reading.
+
+    Parameters
+    ----------
+    arm : Arm
+    of, size
+        As from `tracking.model.observation.observation_of`.
+    first : (n_channel,)
+        Mean of the first readings.
+    steady : bool
+        They stayed what they are, so the arm rests; if not, nothing is known of its accelerations.
+    q : (n_joint,)
+        Where the arm rests when tracking begins.
+    given : bool
+        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle and the arm rests.
+    mounting : MountingPrior
+
+    Returns
+    -------
+    x : (n_state,)
+    P : (n_state, n_state)
+    """
+    n, n_sensor = arm.n_joint, len(arm.sensors)
+    x, P = np.zeros(size), np.zeros((size, size))
+    bias = [sensor.bias_m_s2 for sensor in arm.sensors]
+    bias += [sensor.gyroscope.bias_rad_s for sensor in arm.sensors if sensor.gyroscope is not None]
+    coupled, turning = np.repeat(of.corner > 0.0, 3), np.repeat(of.turning, 3)
+    offset = slice(3 * n, 3 * n + 3 * of.link.size)
+    x[offset] = np.array(bias, dtype=float).ravel()
+    offset_std = _offset_std(of)
+    x[: 3 * n : 3] = _level(of, x, first, offset_std, q) if steady and not given else q
+    reading, slope = _at_rest(of, x)
+    lasting = ~coupled & ~turning
+    left, free = (first - reading)[lasting], np.count_nonzero(lasting) - n
+    if steady and free > 0:
+        usual = np.sqrt(np.sum(left**2) / free)
+        offset_std[lasting] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
+    x[offset] += np.where(coupled, first - reading, 0.0)
+    P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / offset_std[:, None], given)
+    std = np.zeros(size)
+    std[1 : 3 * n : 3], std[offset] = _SPEED_STD, offset_std
+    std[2 : 3 * n : 3] = _RESTING_STD if steady else _MOVING_STD
+    for joint, columns in zip(arm.joints, of.length_column, strict=True):
+        for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
+            if column != ABSENT:
+                guess = mounting.length_share * max(abs(length), _LEAST_LENGTH_STD_M)
+                std[column] = guess if joint.length_std_m is None else joint.length_std_m
+    for s in range(n_sensor):
+        if of.settled_column[s] != ABSENT:
+            settled = slice(of.settled_column[s], of.settled_column[s] + 3)
+            x[settled], std[settled] = first[3 * s : 3 * s + 3], _SETTLED_STD
+        if of.corner_column[s] != ABSENT:
+            std[of.corner_column[s]] = _CORNER_SHARE * of.corner[s]
+        if of.mounting_column[s] != ABSENT:
+            begin = of.mounting_column[s]
+            std[begin : begin + MOUNTING] = mounting.stds(arm.sensors[s].position_m)
+    for begin in of.gyro_scale_column[of.gyro_scale_column != ABSENT]:
+        std[begin : begin + 3] = mounting.scale
+    P += np.diag(std**2)
+    if arm.sensor_covariance is not None:
+        _take_over(arm, of, arm.sensor_covariance, P)
+    return x, P
+
+
+def rest_residual(of: Observation, size: int, first: Floats, q: Floats, given: bool) -> Floats:
+    """Return what gravity leaves unexplained of the first readings of an arm at rest, (n_channel,)."""
+    x = np.zeros(size)
+    n, offset_std = q.size, np.full(first.size, _OFFSET_STD)
+    x[: 3 * n : 3] = q if given else _level(of, x, first, offset_std, q)
+    left: Floats = first - _at_rest(of, x)[0]
+    return left
+
+
+def _offset_std(of: Observation) -> Floats:
+    """Return the standard deviation of each channel's offset where nothing is known of it, (n_channel,)."""
+    std: Floats = np.where(of.turning, _RATE_OFFSET_STD, np.where(of.corner > 0.0, _UNSETTLED_STD, _OFFSET_STD))
+    return np.repeat(std, 3)
+
+
+def _take_over(arm: Arm, of: Observation, known: SensorCovariance, P: Floats) -> None:
+    """Put what a calibration knows of scales, turns and places into a covariance; offsets are of each day."""
+    columns, places = [], []
+    for place, parameter in enumerate(known.parameters):
+        sensor, _, number = parameter.rpartition(" ")
+        column = _constant_column(arm, of, arm.sensor_index(sensor), number)
+        if column != ABSENT:
+            columns.append(column)
+            places.append(place)
+    P[np.ix_(columns, columns)] = known.matrix()[np.ix_(places, places)]
+
+
+def _constant_column(arm: Arm, of: Observation, s: int, number: str) -> int:
+    """Return the column of a sensor's scale, turn, place or gyroscope's scale; `ABSENT` if there is none."""
+    if number in MOUNTING_NAMES and of.mounting_column[s] != ABSENT:
+        return int(of.mounting_column[s]) + MOUNTING_NAMES.index(number)
+    if number in GYRO_SCALE_NAMES and s in arm.gyroscopes:
+        first = int(of.gyro_scale_column[len(arm.sensors) + arm.gyroscopes.index(s)])
+        return ABSENT if first == ABSENT else first + GYRO_SCALE_NAMES.index(number)
+    return ABSENT
+
+
+def _at_rest(of: Observation, x: Floats) -> tuple[Floats, Floats]:
+    n_channel = 3 * of.link.size
+    reading, slope = np.empty(n_channel), np.zeros((n_channel, x.size))
+    observe(of, room_of(of.chain.revolute.size), x, reading, slope)
+    return reading, slope
+
+
+def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Floats) -> Floats:
+    """Return the angles at which gravity explains what is read at rest, the nearest to ``q``."""
+    n = q.size
+    x, found = x.copy(), q.copy()
+    for _ in range(20):
+        x[: 3 * n : 3] = found
+        reading, slope = _at_rest(of, x)
+        H = slope[:, : 3 * n : 3] / offset_std[:, None]
+        step = np.linalg.solve(
+            H.T @ H + np.eye(n) / GUESSED_STD**2,
+            H.T @ ((first - reading) / offset_std) - (found - q) / GUESSED_STD**2,
+        )
+        found = found + np.clip(step, -0.5, 0.5)
+        if np.abs(step).max() < 1e-9:
+            break
+    return found
+
+
+def _angle_covariance(H: Floats, given: bool) -> Floats:
+    """Return the angles' covariance; what gravity doesn't show of them is what everything is counted from."""
+    std = GIVEN_STD if given else GUESSED_STD
+    information, axes = np.linalg.eigh(H.T @ H)
+    shown = information * GUESSED_STD**2 > 1.0
+    covariance: Floats = (axes * np.where(shown, std**2, _EXACT_STD**2)) @ axes.T
+    return covariance

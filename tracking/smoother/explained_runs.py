@@ -1,0 +1,77 @@
+"""Several recordings with the same sensors, smoothed one after the other; what one showed is known to the next."""
+
+from collections.abc import Callable, Sequence
+
+from arm.model import Arm, Floats
+from limbcal.errors import DataError
+from tracking.model.initial_state import MountingPrior
+from tracking.model.readings import Readings
+from tracking.smoother.discrepancy_smoother import DiscrepancySmoother
+from tracking.smoother.smoothed import Smoothed
+from tracking.smoother.smoother import Smoother
+
+
+def exact_motions(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
+    """Return the motions of an exact arm whose sensors' clocks agree, or if that does not explain them, differ."""
+    found: list[Smoothed] = []
+    for clocks in (False, True):
+        found = _exact(arm, runs, q, given, prior, clocks, progress)
+        if not found or explained(found, runs):
+            break
+    return found
+
+
+def _exact(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    clocks: bool,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
+    """Return motions of an exact arm, each with what the runs before showed, up to one that is not explained."""
+    exact, found = Smoother(arm, q, given, prior, clocks), list[Smoothed]()
+    try:
+        for readings in runs:
+            known = found[-1] if found else None
+            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
+            if not found[-1].is_exact:
+                break
+    except DataError:
+        pass
+    return found
+
+
+def explained(found: Sequence[Smoothed], runs: Sequence[Readings]) -> bool:
+    """Say whether motions of an exact arm explain all runs."""
+    return len(found) == len(runs) and found[-1].is_exact
+
+
+def runs_smoothed(
+    arm: Arm,
+    runs: Sequence[Readings],
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None,
+) -> list[Smoothed]:
+    """Return the motions of all runs, each with what the runs before it showed of the sensors.
+
+    If no such arm explains a run to the sensors' noise, what the model lacks is learnt from all of them.
+    """
+    found = exact_motions(arm, runs, q, given, prior, progress)
+    if explained(found, runs):
+        return found
+    exacts: list[Smoothed | None] = [*found, *[None] * (len(runs) - len(found))]
+    robust, found = DiscrepancySmoother(arm, q, given, prior), []
+    for readings, one in zip(runs, exacts, strict=True):
+        found.append(robust.smooth(readings, one, found[-1] if found else None, progress))
+    return found

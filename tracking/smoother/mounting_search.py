@@ -1,0 +1,77 @@
+"""How sensors are mounted where a careful mounting as the file has it does not explain the readings."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import numpy as np
+
+from arm.model import Arm, Floats
+from tracking.model.initial_state import ROUGH, MountingPrior
+from tracking.model.readings import Readings
+from tracking.smoother.orientations import EQUAL_NATS, likely_orientations, log_likelihood, right_angles, turned
+
+
+class Mounting(NamedTuple):
+    """How sensors are mounted.
+
+    Attributes
+    ----------
+    arm : Arm
+        With its sensors turned as they were found.
+    prior : MountingPrior
+        How far off they may be from that.
+    axes : dict of str to str
+        Of each sensor that is turned: which axes of the file's its x, y and z are, such as ``y -x z``.
+    undecided : list of str
+        What the readings could not tell, a sentence each.
+    """
+
+    arm: Arm
+    prior: MountingPrior
+    axes: dict[str, str]
+    undecided: list[str]
+
+
+def likely_mounting(
+    arm: Arm,
+    readings: Readings,
+    q: Floats,
+    given: bool,
+    prior: MountingPrior,
+    progress: Callable[[int], None] | None = None,
+) -> Mounting:
+    """Return how sensors are mounted: as the file says within the prior, if nothing is a hundred times likelier.
+
+    Parameters
+    ----------
+    arm, q, given, prior
+        As of `tracking.smoother.smoother.Smoother`.
+    readings : Readings
+    progress : callable, optional
+        Told how many orientations were tried.
+    """
+    ways = likely_orientations(arm, readings, q, given, ROUGH, progress)
+    best = ways[0]
+    as_told = log_likelihood(arm, readings, q, given, prior)
+    if not np.isfinite(best.log_likelihood) or as_told > best.log_likelihood - EQUAL_NATS:
+        return Mounting(arm, prior, {}, [])
+    equal = [one for one in ways if one.is_near and one.log_likelihood > best.log_likelihood - EQUAL_NATS]
+    best = max(
+        equal, key=lambda one: sum(way == 0 for way in one.ways), default=best
+    )  # the file's where nothing shows
+    names = [sensor.name for sensor in arm.sensors]
+    axes = {name: axes_of(way) for name, way in zip(names, best.ways, strict=True) if way}
+    undecided = []
+    for one in equal:
+        other = {n: w for n, w, found in zip(names, one.ways, best.ways, strict=True) if w != found}
+        if other:
+            said = ", ".join(f"{name} {axes_of(way)}" for name, way in other.items())
+            undecided.append(f"equally likely are the axes {said}")
+    return Mounting(turned(arm, best.ways), ROUGH, axes, undecided)
+
+
+def axes_of(way: int) -> str:
+    """Return which of the file's axes a sensor's x, y and z are, such as ``y -x z``."""
+    R = right_angles()[way]
+    order = np.abs(R).argmax(axis=0)
+    return " ".join(("-" if R[axis, k] < 0.0 else "") + "xyz"[axis] for k, axis in enumerate(order.tolist()))
