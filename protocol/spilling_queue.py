@@ -12,7 +12,7 @@ from limbcal.errors import DeviceError
 
 #: Kept in memory [bytes]: half a minute of `limb/frames` of a two-joint arm at ten times real time.
 MEMORY_BYTES = 64 * 1024 * 1024
-#: A file of the queue is given up, and with it its room on the disk, when so much of it was read [bytes].
+#: A file of the queue is given up, and with it its room on the disk, when this much of it was read [bytes].
 FILE_BYTES = 64 * 1024 * 1024
 
 _LENGTH = struct.Struct("<I")

@@ -19,7 +19,7 @@ from limbcal.real_time import READER, ask_for_real_time
 
 #: Between a read and the next look [s]: taking what gathered meanwhile is cheaper than waking for each byte.
 _GATHER_S = 0.006
-#: … and where more than so much comes in that time, shorter: a tty holds little more.
+#: … and the bytes in that time above which it is shorter: a tty holds little more.
 _MUCH_BYTES = 8192
 #: How long the reader sleeps at the most where nothing comes [s].
 _IDLE_S = 0.25
@@ -29,17 +29,18 @@ _READ_BYTES = 65536
 _FULL_READ_BYTES = 4095
 #: No more at once, so that a device that floods the line cannot keep the reader from hearing a stop.
 _TAKEN_BYTES = 64 * _FULL_READ_BYTES
-#: After STOP the line is drained until it was quiet for so long, and no longer than the limit [s]: conventions.
+#: After STOP the line is drained until it was quiet for the first time, at the most for the second [s]:
+#: conventions.
 _QUIET_S = 0.1
 _DRAIN_LIMIT_S = 1.0
 #: A port that went away is tried after the first time, then after twice as long each time up to the second.
 _FIRST_TRY_S, _LAST_TRY_S = 0.05, 1.0
 #: … or as soon as its name is there again, which costs next to nothing to see: what the device can hold is little.
 _APPEARS_S = 0.05
-#: A device that is silent for so long gets the START command again, as a restarted one needs it; then after the
+#: Silence after which a device gets the START command again, as a restarted one needs it; then after the
 #: same time, then after twice as long each time up to the second, however long it had no power.
 _SILENT_S, _LAST_NUDGE_S = 0.5, 2.0
-#: The name of a port may come to mean another device file: looked at so often.
+#: Period with which a port's name is looked up: it may come to mean another device file [s].
 _LOOK_S = 0.5
 
 

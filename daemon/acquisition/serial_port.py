@@ -7,7 +7,7 @@ import serial
 
 from limbcal.errors import DeviceError
 
-#: Longest that a command of some bytes may take to write [s]: a line that takes none for so long is stuck.
+#: Longest that a command of some bytes may take to write [s]: a line that takes none within it is stuck.
 _WRITE_TIMEOUT_S = 1.0
 
 

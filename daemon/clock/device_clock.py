@@ -25,9 +25,9 @@ _SURELY = 3.0
 _WORST = 0.15
 #: A stamp may be later than its sample's arrival by this: what the least late arrivals differ by [s].
 _EARLY_S = 0.001
-#: Both clocks are compared over so long [s]; one that is off in two such times in a row is not followed any more.
+#: Period over which both clocks are compared [s]; one that is off in two in a row is not followed any more.
 _COMPARED_S, _IN_A_ROW = 0.25, 2
-#: In such a time some arrival is late by less than this [s]: three times the latency of USB converters, 16 ms by
+#: Within a period some arrival is late by less than this [s]: three times the latency of USB converters, 16 ms by
 #: data sheets. And stamps are held back by less than this in all: a clock is faster by less than 4 % of a sudden.
 _LATE_S, _HELD_S = 0.05, 0.01
 #: While no error of the stamps is known it is this [ms]: what arrivals wait for at a reader that gathers bytes.

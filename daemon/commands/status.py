@@ -15,7 +15,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add("--endpoint", default=DEFAULT_ENDPOINT, metavar="E", help=f"default {DEFAULT_ENDPOINT}")
     add("--key", type=Path, metavar="FILE", help="NAME.limbkey, where the daemon asks for one")
     add("--once", action="store_true", help="one report and no more")
-    add("--wait-s", type=not_negative, metavar="S", help="wait so long for a daemon (default 30)")
+    add("--wait-s", type=not_negative, metavar="S", help="how long to wait for a daemon (default 30)")
     parser.set_defaults(action=show)
 
 

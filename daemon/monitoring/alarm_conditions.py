@@ -20,7 +20,7 @@ _SET_S = 0.05
 _LOSS_FRACTION = 1e-3
 #: Reports that show an error of the device's clock after it happened: enough to raise an alarm.
 _REPORTS = 3
-#: Frames that are published so much later than their bytes came are late [ms]: a convention.
+#: Time from bytes to published frames above which frames are late [ms]: a convention.
 _BEHIND_MS = 200.0
 #: The disk is nearly full if less than this many times what stops the recording is free [1]: a convention.
 _NEARLY_FULL = 10.0

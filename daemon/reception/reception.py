@@ -23,7 +23,7 @@ NewClock = Callable[[float, int, int, int, float], Clock]
 
 #: A frame that waits for one before it waits no longer than this [ns].
 _PATIENCE_NS = 20_000_000
-#: Nothing for so long is silence [ns].
+#: Time without a byte that counts as silence [ns].
 _SILENCE_NS = 300_000_000
 _JUMPED = "the device's clock jumped"
 #: Period in which the rate is reckoned anew [ns].

@@ -13,7 +13,7 @@ from limbcal.errors import DeviceError
 from protocol.recording import RecordingWriter
 from protocol.recording_files import numbered
 
-#: While nothing can be written so much is kept; beyond it the oldest messages go, and are counted.
+#: Memory for messages while nothing can be written; beyond it the oldest ones go, and are counted.
 _KEPT_BYTES = 64 * 1024 * 1024
 #: How often a disk that failed is tried again, and how often the room on one that works is looked at.
 _TRY_S, _LOOK_S = 2.0, 1.0

@@ -9,7 +9,7 @@ from daemon.virtual_device.virtual_device import FRAME_SAMPLES, CommandLine, Fra
 from limbcal.errors import DataError
 from protocol.serial_frame import encode_info, encode_samples
 
-#: No more is made while so much waits for its reader; the fifo holds that and the greatest block.
+#: Bytes waiting for their reader above which no more are made; the fifo holds these and the greatest block.
 _AHEAD_BYTES, _FIFO_BYTES = 1 << 18, 1 << 24
 
 

@@ -32,14 +32,14 @@ KINDS = {
     "restart": FaultKind("the device is without power: its clock and its numbers begin anew"),
     "silent": FaultKind("the device samples and sends nothing"),
     "garbage": FaultKind("random bytes between frames, a rate [1/s]", 1000.0),
-    "flip": FaultKind("bits turn over, with so much probability a byte", 1e-5),
-    "drop": FaultKind("frames never leave the device, with so much probability each", 0.01),
-    "double": FaultKind("frames are sent twice, with so much probability each", 0.01),
-    "reorder": FaultKind("a frame overtakes the one before it, with so much probability", 0.01),
+    "flip": FaultKind("bits turn over, with this probability a byte", 1e-5),
+    "drop": FaultKind("frames never leave the device, with this probability each", 0.01),
+    "double": FaultKind("frames are sent twice, with this probability each", 0.01),
+    "reorder": FaultKind("a frame overtakes the one before it, with this probability", 0.01),
     "baud": FaultKind("the device sends at another rate: every byte is wrong"),
     "stranger": FaultKind("another device is on the port"),
 }
-#: A fault that has no duration lasts so long [s].
+#: Duration of a fault that has none of its own [s].
 _MOMENT_S = 0.1
 _NUMBER = r"\d+(?:\.\d*)?(?:[eE][-+]?\d+)?|\.\d+(?:[eE][-+]?\d+)?"
 _FAULT = re.compile(

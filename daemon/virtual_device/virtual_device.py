@@ -34,7 +34,7 @@ class Timing:
     clock : float
         Seconds of the device's clock in one of the host's.
     wraps_s : float or None
-        Its tick counter has 32 bits, and passes zero so long after it was switched on; with None it has 64.
+        Its tick counter has 32 bits, and passes zero at this time after it was switched on; with None it has 64.
     frame_samples : int
     """
 
@@ -74,7 +74,7 @@ class FrameFifo:
             self._held += frame
 
     def is_half_full(self) -> bool:
-        """Say whether the host has left so much."""
+        """Say whether the host has left these bytes unread."""
         return 2 * len(self._held) > self._capacity
 
     def clear(self) -> None:

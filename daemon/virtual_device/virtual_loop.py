@@ -22,7 +22,8 @@ from limbcal.errors import DeviceError
 from limbcal.real_time import DEVICE, ask_for_real_time
 from protocol.deadline import Ticker
 
-#: Period in which frames that are due are made [s]: so long that it costs little, so short that a tty holds them.
+#: Period in which frames that are due are made [s]: long enough to cost little, short enough for a tty to hold
+#: them.
 _BEAT_S = 0.005
 #: How much of the stream the device can hold back for its host [s].
 _FIFO_S = 0.5

@@ -19,7 +19,7 @@ _RING_BYTES = 8 * 1024 * 1024
 #: How often the ring is looked into, and the device asked what it is [s].
 _LOOK_S = 0.01
 _ASK_S = 1.0
-#: A device that was started and sends nothing for so long will not send anything.
+#: Silence after START from which on a device is held to send nothing at all.
 _SILENCE_S = 5.0
 #: Fewer do not tell their noise, which is that of third differences (`tracking/model/noise.py`).
 _LEAST_SAMPLES = 4

@@ -10,7 +10,7 @@ from arm.model import Floats
 
 #: Harmonics of a series (Swevers et al. 1997; Park 2006 for its rests).
 HARMONICS = 5
-#: A point is held for about so long [s]; where the reference is the motion itself, this share of it is a move.
+#: Mean time for which a point is held [s]; fraction of it that is a move where the reference is the motion itself.
 POINT_S, MOVE = 1.25, 0.8
 
 

@@ -27,7 +27,7 @@ _LEAN, _HORIZONTAL = 0.0175, 0.04
 #: Share of the weight by which all of them may differ from what the person is said to weigh: clothes, a wrong
 #: entry, and segments that differ from the table.
 _WEIGHT = 0.2
-#: A hand holds something if it stands this still [m, rms] for so long [s] while the trunk moves so far [m, rms]:
+#: Largest motion of a hand that holds something [m, rms], time [s], least motion of the trunk meanwhile [m, rms]:
 #: optical noise and skin at rest make 2 mm.
 _STILL_M, _STILL_S, _SWAY_M = 0.003, 2.0, 0.010
 #: What is lower than this above the point where the ground acts is a foot, and the plates' own matter [m].

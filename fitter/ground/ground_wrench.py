@@ -17,7 +17,7 @@ from protocol.markers.wrench_files import EMPTY_N, PlateWrench
 
 #: Corner before a force is sampled at a lower rate, as a share of that rate: below its Nyquist frequency.
 _ANTI_ALIAS = 0.4
-#: A plate whose force keeps below this for this share of the trial is empty then: what it reads is its zero.
+#: A plate is empty while its force keeps below this, for at least this fraction of the trial: it reads its zero.
 _EMPTY_SHARE = 0.1
 #: A zero smaller than this is of no matter [N].
 _ZERO_N = 1.0

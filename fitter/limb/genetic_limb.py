@@ -29,7 +29,7 @@ CLOSE = 1.0
 _ANYWHERE, _FAR, _NEAR, _CLOSE_BY = (20, 10), (3, 3), (0, 2), (0, 1)
 #: Steps of places that begin anew.
 _ANEW = (0, 10)
-#: All links' places begin anew in one of so many generations, those of one link in the others.
+#: Period in generations with which all links' places begin anew; in the others those of one link do.
 _ALL_ANEW = 4
 
 

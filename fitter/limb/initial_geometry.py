@@ -30,7 +30,7 @@ _FOUND_M, _LENGTH_M = 0.02, 0.015
 #: How far a marker may be from where the start has it [m].
 PLACE_STD_M = 0.05
 #: How far skin lets a marker wander along an axis [m] (Leardini et al. 2005); what stands may sway by hardly
-#: anything, and a small cluster far from the joint by no more than so much [m].
+#: anything, and a small cluster far from the joint by no more than this [m].
 _SKIN_M, _STANDS_M, _MOST_SWAY_M = 0.008, 1e-5, 0.02
 #: Of a ball joint, and at the least of others [rad].
 _BALL_STD_RAD, _LEAST_STD_RAD = 2.0, 0.5

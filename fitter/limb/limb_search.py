@@ -19,9 +19,9 @@ GENERATIONS = 500
 SEARCH_FRAMES = 32
 #: Frames of the first batch; each next one doubles them.
 _FIRST_FRAMES = 8
-#: A population is one point when its better quarter costs alike up to so much (a tenth of a standard error).
+#: A population is one point when the costs of its better quarter differ by less (a tenth of a standard error).
 _ONE_POINT = 0.01 * CLOSE
-#: A batch takes at most this share of the generations, so that the last one has some.
+#: A batch takes at most this fraction of the generations, so that the last one has some.
 _BATCH_SHARE = 8
 Clock = Callable[[], float]
 

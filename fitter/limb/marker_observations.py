@@ -116,7 +116,7 @@ def swayed(what: Integers, sway: int) -> Integers:
 
 
 def base_sways(prior: AnglePrior, std_m: float) -> AnglePrior:
-    """Return the prior of a limb whose base only shifts, by so much along each axis."""
+    """Return the prior of a limb whose base only shifts, with this standard deviation along each axis."""
     sway = np.concatenate([np.full(3, max(std_m, _NO_SWAY)), np.full(3, _NO_SWAY)])
     return _with_sway(prior, sway)
 

@@ -14,7 +14,7 @@ Message = tuple[str, dict[str, Any]]
 
 #: What must be complete.
 TOPICS = (FRAMES, TRIAL)
-#: For so long nothing may be added to a recording, whose writer flushes twice a second, before it is given up [s].
+#: Time in which a recording, whose writer flushes twice a second, must grow before it is given up [s].
 _PATIENCE_S = 10.0
 #: Ten heartbeats: a daemon that has not said by then whether it records does not say it at all [s].
 _HEARTBEATS_S = 10.0

@@ -66,7 +66,7 @@ class Session:
     def follow(self, seconds: float | None, trials: int | None, idle: float | None) -> None:
         """Follow the stream for a time, or a number of motions, or until it idles, or until interrupted.
 
-        It idles when the arm has rested for so long by the stream's own clock, or when so long was waited for
+        It idles when the arm has rested for this time by the stream's own clock, or when this time was waited for
         frames in vain: never while messages wait or something is being learnt, however long that takes.
         """
         with Live(console=console, transient=True, auto_refresh=False) as live:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-#: After so long without an input a device holds nothing any more [s].
+#: Time without an input after which a device holds nothing any more [s].
 STALE_S = 0.020
 
 

@@ -28,7 +28,7 @@ from playback.view.trace import SPAN_S, Trace
 RATE_HZ = 60.0
 #: Once in this many pictures the panel is brought up to date: 10 Hz.
 PANEL_EVERY = 6
-#: What has not been heard of for so long is silent [s].
+#: Time without a frame after which a source is silent [s].
 SILENT_S = 2.0
 BESIDE, ON_TOP, ALONE = "beside the arm", "on top of it", "hidden"
 TWIN_OPACITY = 0.45

@@ -13,7 +13,7 @@ _METRE, _MILLIMETRE, _CENTIMETRE, _INCH = (
 _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 #: … and of a whole person's [m].
 _USUAL_M = 0.5
-#: A whole body stands up along the axis in which it is so much longer than in the others.
+#: A whole body stands up along an axis in which it is this many times longer than in the others.
 _LONGER = 1.3
 #: A floor lies at zero: this part of the height may lie below it.
 _BELOW = 0.1

@@ -29,7 +29,7 @@ _RIGHTER = 2.0
 _FRAMES, _SHORTEST = 400, 3
 #: … and this long [s]: a glimpse is not enough.
 _SHORTEST_S = 0.05
-#: … which must be so much of the time from its first to its last one.
+#: … which must be this fraction of the time from its first to its last one.
 _MOSTLY = 0.5
 #: So many recordings of one person overrule one of them.
 _MAJORITY = 3
