@@ -23,19 +23,19 @@ from fitter.commands.options import (
     joint_values,
     make_room,
 )
-from fitter.commands.trial_sets import notes_of, trial_sets
+from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.trial import Role, Trial
 from fitter.data.trials import load_trials
 from fitter.kinematics.geometry_fit import GENERATIONS, LEAST_EXPLAINED, fit_kinematics, hardly
-from fitter.kinematics.kinematics_fit import KinematicsFit, angle_noise_deg, document
+from fitter.kinematics.kinematics_fit import KinematicsFit, angle_noise_deg, document, gauge_sentences
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.compared import geometry_by_name
 from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError, Unusable
-from limbcal.note import documents
+from limbcal.note import sentences
 from protocol.tables.files import expand
 
 #: As it stands in the help.
@@ -117,7 +117,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     evaluated = tip_score(fit.arm, evaluate, fit.about) if evaluate else None
     save_arm(fit.arm, arguments.out)
     _print(fit, compared, learnt, evaluated)
-    answer = document(fit, learnt, evaluated) | {"notes": documents(notes_of((*learn, *evaluate)))}
+    answer = with_notes(document(fit, learnt, evaluated), notes_of((*learn, *evaluate)))
     if compared:
         answer["compared"] = compared
     if arguments.report is not None:
@@ -178,8 +178,8 @@ def _print(
     show(parameter_table(title, fit.parameters, compared))
     show(f"displacements counted from the {'rest at the start' if fit.about == 'rest' else 'mean'}")
     show(_noise_in_words(fit))
-    for freedom in fit.gauge:
-        say(f"not identified: {', '.join(freedom.parameters)}: {freedom.why}")
+    for sentence in (*sentences(fit.notes), *gauge_sentences(fit)):
+        say(sentence)
     for role, s in (("learning", learn), ("evaluating", evaluate)):
         if s is not None:
             share = f"{100.0 * s.explained:.4g} % of its power explained"

@@ -14,6 +14,7 @@ from fitter.data.standstill import REST_SPEED
 from fitter.data.trials import load_trials
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import document
+from fitter.dynamics.errors_of_motions import known_by_motions
 from fitter.dynamics.evaluation import score
 from fitter.dynamics.identifiability import report
 from fitter.dynamics.known_effects import without_effects
@@ -24,6 +25,7 @@ from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is
 from limbcal.command import Document, say_notes
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
+from protocol.tables.files import RECORDINGS, expand
 
 
 def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
@@ -75,6 +77,8 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
         fixed=fixed_of(arguments.fix),
         method=arguments.method,
     )
+    tracked = any(path.suffix.lower() in RECORDINGS for path in expand(arguments.learn))
+    fit = known_by_motions(fit, tracked)
     fit = made_possible(fit) if arguments.physical else with_warnings(fit)
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
     save_calibrated(fit.arm, base, determined_by_data(fit), arguments.out)

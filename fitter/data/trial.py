@@ -101,6 +101,11 @@ class Trial:
         return np.ones(self.q.shape, dtype=bool) if self.contradicted is None else ~self.contradicted
 
     @property
+    def tracked(self) -> bool:
+        """Whether a tracker made it from accelerations: what it drifts by is wrong for the whole motion."""
+        return self.points is not None
+
+    @property
     def n_independent(self) -> float:
         """Independent samples of a joint: behind a filter two a period of its corner."""
         return 2.0 * min(self.band_hz, 0.5 / self.dt_s) * len(self.q) * self.dt_s

@@ -45,7 +45,7 @@ class DynamicsFit:
     notes : tuple of Note
         What the user should know of this answer.
     freedom : float
-        Degrees of freedom that the covariance was estimated with.
+        Degrees of freedom that the covariance was estimated with; NaN where nothing tells the errors.
     """
 
     arm: Arm

@@ -16,8 +16,8 @@ from fitter.data.trial import Trial
 from fitter.dynamics.band_agreement import frequencies_agree
 from fitter.dynamics.break_away import static_friction
 from fitter.dynamics.consistency import made_possible, with_warnings
-from fitter.dynamics.drawn_torque import drawn_dynamics
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method, Objective
+from fitter.dynamics.errors_of_motions import with_covariance, with_errors_of_motions
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.filter_shift import with_filter_shift
 from fitter.dynamics.known_effects import with_effects_of, without_effects
@@ -25,13 +25,10 @@ from fitter.dynamics.motion_search import polished_by_motion
 from fitter.dynamics.noise_spectrum import noise_freedom, weighted_by_noise
 from fitter.dynamics.robust import draw_in, weighted
 from fitter.dynamics.torque_problem import torque_problem
-from fitter.dynamics.torque_search import GENERATIONS, Progress, assembled, fit_sums
+from fitter.dynamics.torque_search import GENERATIONS, Progress, fit_sums
 from fitter.regression_sums.spectral_sums import spectral_sums
 from fitter.regression_sums.torque_sums import TorqueSums, add_up
 from fitter.regression_sums.trial_sums import trial_sums
-from fitter.search.clusters import covariance_by_motions
-from fitter.search.drawn import covariance_of
-from fitter.search.fitted_parameter import held_back
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 
@@ -147,15 +144,15 @@ def fit_dynamics(
         progress=progress,
     )
     if objective == "likelihood":
-        fit = _with_covariance(fit, fit.covariance if freedom >= 1.0 else np.nan * fit.covariance, freedom)
+        fit = with_covariance(fit, fit.covariance if freedom >= 1.0 else np.nan * fit.covariance, freedom)
     if objective == "motion":
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
         fit = replace(fit, objective=objective, notes=notes)
     if notes == (DISAGREE,) and objective == "torque":
         fit = with_filter_shift(fit, arm, learn, fixed or {}, rest_speed)
-    if objective == "torque":
-        fit = with_draws(fit, arm, learn, geometries, rest_speed)
+    if objective not in ("likelihood", "motion"):
+        fit = with_errors_of_motions(fit, arm, learn, geometries, rest_speed)
     if physical or examine:
         fit = made_possible(fit) if physical else with_warnings(fit)
     if examine:
@@ -195,39 +192,6 @@ def _by_noise(
     if freedom < 1.0:
         return sums, (TOO_FEW,), freedom
     return sums, () if frequencies_agree(spectral, sums, prior, held) else (DISAGREE,), freedom
-
-
-def with_draws(
-    fit: DynamicsFit, arm: Arm, trials: Sequence[Trial], geometries: Floats | None, rest_speed: float
-) -> DynamicsFit:
-    """Return a fit of the torque with what the draws of its trials' motions say of it; as it is without any."""
-    drawn = drawn_dynamics(fit, arm, trials, geometries, rest_speed)
-    if drawn is None:
-        return fit
-    covariance = covariance_of(drawn.departures, drawn.residual_power, fit.cost, fit.covariance)
-    return _with_covariance(fit, covariance, float(len(drawn.departures)))
-
-
-def known_by_motions(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:
-    """Return a fit of tracked motions with how well it is known, without draws by how motions disagree.
-
-    What a single motion without draws tells is held back: nothing says how far off it is.
-    """
-    if fit.objective != "torque" or all(trial.draws is not None for trial in trials):
-        return fit
-    problem = fit.problem
-    values = np.array([fit.parameters[name].value for name in fit.base.names])
-    grams = problem.sums.gram.sum(axis=1)[:, problem.free[:, None], problem.free]
-    scores = problem.sums.scores(values)[:, problem.free]
-    covariance, freedom = covariance_by_motions(problem.W, grams, scores, problem.sums.trial)
-    if np.isnan(freedom):
-        return replace(fit, parameters=held_back(fit.parameters), covariance=covariance)
-    return _with_covariance(fit, covariance, freedom)
-
-
-def _with_covariance(fit: DynamicsFit, covariance: Floats, freedom: float) -> DynamicsFit:
-    values = np.array([fit.parameters[name].value for name in fit.base.names])[fit.problem.free]
-    return assembled(replace(fit, covariance=covariance, freedom=freedom), values)
 
 
 def with_break_away(fit: DynamicsFit, trials: Sequence[Trial]) -> DynamicsFit:

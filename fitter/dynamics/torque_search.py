@@ -11,7 +11,7 @@ from arm.regressor import standard_parameters
 from fitter.dynamics.dynamics_fit import DynamicsFit, Method
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
 from fitter.regression_sums.torque_sums import TorqueSums
-from fitter.search.fitted_parameter import FittedParameter, fitted_parameters
+from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from limbcal.errors import ConfigError, NotConverged
 from limbcal.suggestion import did_you_mean
@@ -70,12 +70,17 @@ def fit_sums(
 
 
 def assembled(fit: DynamicsFit, genes: Floats) -> DynamicsFit:
-    """Return a fit whose arm and parameters have these values of the free parameters, (n_free,)."""
+    """Return a fit whose arm and parameters have these values of the free parameters, (n_free,).
+
+    Where the degrees of freedom of its covariance are NaN nothing tells its errors, and no parameter is claimed.
+    """
     base, problem, arm = fit.base, fit.problem, fit.arm
     values = problem.complete(genes)
     std = np.full(len(values), np.nan)
     std[problem.free] = np.sqrt(np.maximum(np.diag(fit.covariance), 0.0))
     parameters = fitted_parameters(base.names, values, std, base.units, problem.revealed, fit.freedom)
+    if np.isnan(fit.freedom):
+        parameters = held_back(parameters)
     learnt = {base.names[k]: Estimate(*astuple(parameters[base.names[k]])[:2]) for k in problem.free}
     static = {name: p for name, p in fit.parameters.items() if name not in parameters} or _static_friction(arm)
     return replace(

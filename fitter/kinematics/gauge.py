@@ -6,7 +6,7 @@ jacobian of all parameters and the base's orientation, at the geometry that was 
 parallel taken to be so (Hayati 1983): their angle by noise has no information of d.
 """
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -16,6 +16,8 @@ from fitter.kinematics.identifiability import RESOLUTION_M, SMALLEST_SHARE, by_p
 
 #: Parameters whose effect is below this fraction of a dependent one's are no part of its group.
 _PART = 0.02
+#: What stands still where a freedom is of identified parameters alone.
+_BASE = "the base as the arm file has it"
 
 
 @dataclass(frozen=True)
@@ -30,6 +32,22 @@ class Gauge:
 
     parameters: tuple[str, ...]
     why: str
+
+    def sentence(self, identifiable: Collection[str]) -> str:
+        """Return the freedom in words.
+
+        Parameters
+        ----------
+        identifiable : collection of str
+            Parameters that the fit determines, those that it does not being as the arm file has them.
+        """
+        known = [name for name in self.parameters if name in identifiable]
+        unknown = [name for name in self.parameters if name not in identifiable]
+        if not known:
+            return f"not identified: {', '.join(unknown)}: {self.why}"
+        they = "it" if len(unknown) == 1 else "them"
+        given = f"{', '.join(unknown)} as the arm file has {they}" if unknown else _BASE
+        return f"identified only with {given} given: {', '.join(known)}: {self.why}"
 
     def document(self) -> dict[str, object]:
         """Return the freedom as it stands in a fit's JSON document."""
@@ -78,7 +96,7 @@ def _gauge_of(names: Sequence[str], order: Sequence[int], rows: Sequence[int]) -
     """Return a freedom in words."""
     own = sorted(order[k] for k in rows if k < len(order))
     if len(own) < len(rows):
-        why = "the tip moves alike where the base is turned instead: the base stays as the arm file has it"
+        why = "the tip moves alike where the base is turned instead"
     elif all(names[k].startswith("d") for k in own):
         why = "the axes are parallel or nearly so, and only the sum of what lies along them shows"
     else:

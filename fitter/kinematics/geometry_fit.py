@@ -7,17 +7,15 @@ from typing import Literal
 
 import numpy as np
 
-from arm.model import Arm, Floats
+from arm.model import Arm
 from fitter.data.trial import Trial
 from fitter.kinematics.angle_noise import fit_from_moments, noise_from_moments, resolved_noise
-from fitter.kinematics.drawn_tip import drawn_geometry
+from fitter.kinematics.found_geometry import fit_of, parameters_of, require_determined
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.moment_fit import MomentFit, MomentProblem, enough
 from fitter.kinematics.origin import About, choose_about, counted_from_rest
-from fitter.kinematics.tip_basis import UNITS, expect_chain, geometry_names, geometry_of, turning, with_geometry
-from fitter.search.drawn import covariance_of
-from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
+from fitter.kinematics.tip_basis import expect_chain, turning, with_geometry
 from limbcal.errors import DataError, NotConverged, NotIdentifiable
 
 GENERATIONS = 500
@@ -107,7 +105,7 @@ def fit_kinematics(
             noise = replace(noise, rad=np.sqrt(np.maximum(fit.variance, 0.0)))
     if fit is None:
         search.polish()
-    found = replace(fit_of(search), about=about, angle_noise_rad=noise.rad, angle_noise_source=noise.source)
+    found = replace(fit_of(search, learn), about=about, angle_noise_rad=noise.rad, angle_noise_source=noise.source)
     return replace(found if fit is None else _by_moments(found, search, fit), seconds=clock() - start)
 
 
@@ -127,7 +125,7 @@ def _breed(
         rms = search.generation()
         if progress is not None:
             progress(search.generations, rms)
-    _require_determined(search)
+    require_determined(search)
     promise = search.promise()
     explained = 1.0 - (search.tip_rms_m / spread_m) ** 2 if spread_m > 0.0 else 0.0
     if not promise <= _NOT_CONVERGED and explained < LEAST_EXPLAINED:
@@ -161,75 +159,7 @@ def _by_moments(found: KinematicsFit, search: IncrementalKinematics, fit: Moment
     return replace(
         found,
         arm=with_geometry(search.arm, fit.geometry),
-        parameters=_parameters(search, fit.geometry, std),
+        parameters=parameters_of(search, fit.geometry, std),
+        notes=(),
         tip_rms_m=float(np.sqrt(3.0) * fit.tip_noise_m),
-    )
-
-
-def _parameters(
-    search: IncrementalKinematics, geometry: Floats, std: Floats, freedom: float = np.inf
-) -> dict[str, FittedParameter]:
-    n, is_determined = search.arm.n_joint, search.is_determined.ravel()
-    return fitted_parameters(geometry_names(n), geometry.ravel(), std.ravel(), UNITS * n, is_determined, freedom)
-
-
-def _require_determined(search: IncrementalKinematics) -> None:
-    if not np.any(search.is_determined):
-        raise NotIdentifiable(
-            f"no geometric parameter can be identified from {search.samples} samples: "
-            "the tip or the joints don't move"
-        )
-
-
-def known_by_motions(
-    found: KinematicsFit, search: IncrementalKinematics, trials: Sequence[Trial]
-) -> KinematicsFit:
-    """Return a fit of tracked motions with how well it is known: by their draws, else by how far motions disagree.
-
-    The answer of a single motion without draws is held back: its error is unknown.
-
-    Parameters
-    ----------
-    found : KinematicsFit
-        What the search found, at the optimum.
-    search : IncrementalKinematics
-    trials : sequence of Trial
-        That it was found from, with tips.
-    """
-    drawn = drawn_geometry(search.arm, found.arm, search.sought, trials)
-    geometry = geometry_of(found.arm)
-    if drawn is None:
-        covariance, freedom = search.by_motions()
-    else:
-        freedom = float(len(drawn.departures))
-        departures = drawn.departures.reshape(len(drawn.departures), -1)[:, search.sought]
-        covariance = covariance_of(departures, drawn.residual_square, drawn.found, search.scattered())
-    std = np.full(geometry.size, np.nan)
-    std[search.sought] = np.sqrt(np.diag(covariance))
-    parameters = _parameters(search, geometry, std, freedom)
-    return replace(
-        found,
-        parameters=held_back(parameters) if np.isnan(freedom) else parameters,
-        drawn=None if drawn is None else geometry + drawn.departures,
-    )
-
-
-def fit_of(search: IncrementalKinematics) -> KinematicsFit:
-    """Return what a search has found so far, with standard errors.
-
-    Raises
-    ------
-    NotIdentifiable
-        If nothing is identifiable yet.
-    """
-    _require_determined(search)
-    return KinematicsFit(
-        arm=with_geometry(search.arm, search.best),
-        parameters=_parameters(search, search.best, search.standard_errors()),
-        generations=search.generations,
-        population=search.population,
-        samples=search.samples,
-        seconds=0.0,
-        tip_rms_m=search.tip_rms_m,
-        gauge=search.gauge(),
     )

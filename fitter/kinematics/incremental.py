@@ -13,7 +13,7 @@ from fitter.kinematics.reliable import reliable
 from fitter.kinematics.search_bounds import search_bounds
 from fitter.kinematics.tip_basis import coefficients, expect_chain, geometry_names, geometry_of, jacobian, turning
 from fitter.kinematics.tip_sums import TipSums, add_up, no_sums, tip_sums
-from fitter.search.clusters import covariance_by_motions
+from fitter.search.clusters import covariance_of_motions
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from fitter.search.standard_errors import sandwich_covariance
 from limbcal.errors import ConfigError
@@ -214,20 +214,20 @@ class IncrementalKinematics:
             self._best, self._tip_rms_m = found, float(np.sqrt(cost / self._total.samples))
             self._polished = found.copy()
 
-    def standard_errors(self) -> Floats:
-        """Return the standard errors of the best geometry, NaN where it is not determined, (n_joint, 5)."""
-        std = np.full(self._best.size, np.nan)
-        if np.any(self._is_determined):
-            std[self.sought] = np.sqrt(np.diag(self.scattered()))
-        return std.reshape(self._best.shape)
-
     def scattered(self) -> Floats:
         """Return the covariance of the determined parameters, in the order of `sought`, from their residuals."""
         return sandwich_covariance(*self._scores())
 
-    def by_motions(self) -> tuple[Floats, float]:
-        """Return the same covariance with each motion's samples as one, and its degrees of freedom."""
-        return covariance_by_motions(*self._scores())
+    def known(self, tracked: bool) -> tuple[Floats, float]:
+        """Return the same covariance with what motions share, and its degrees of freedom.
+
+        Parameters
+        ----------
+        tracked : bool
+            Whether a tracker made the motions, see `fitter.search.clusters.covariance_of_motions`.
+        """
+        sums = self._scores()
+        return covariance_of_motions(sandwich_covariance(*sums), *sums, tracked)
 
     def _scores(self) -> tuple[Floats, Floats, Floats, NDArray[np.intp]]:
         """Return a root of the normal matrix and, of every block, Gram matrix, score and motion."""

@@ -12,6 +12,7 @@ from fitter.kinematics.origin import About
 from fitter.kinematics.tip_basis import turning
 from fitter.kinematics.tip_error import TipScore
 from fitter.search.fitted_parameter import FittedParameter
+from limbcal.note import Note, documents
 
 
 @dataclass(frozen=True)
@@ -37,6 +38,8 @@ class KinematicsFit:
         What the data leaves open.
     drawn : (n_draw, n_joint, 5) or None
         The geometry as it may be, where the motions' trackers say how well they know them.
+    notes : tuple of Note
+        What the user should know of this answer.
     """
 
     arm: Arm
@@ -51,6 +54,7 @@ class KinematicsFit:
     angle_noise_source: Source | None = None
     gauge: tuple[Gauge, ...] = ()
     drawn: Floats | None = None
+    notes: tuple[Note, ...] = ()
 
 
 def document(fit: KinematicsFit, learn: TipScore, evaluate: TipScore | None = None) -> dict[str, object]:
@@ -68,7 +72,15 @@ def document(fit: KinematicsFit, learn: TipScore, evaluate: TipScore | None = No
         "about": fit.about,
         "gauge": [freedom.document() for freedom in fit.gauge],
         "explained": {role: s and s.explained for role, s in scores.items()},
+        "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
+        "notes": documents(fit.notes),
     }
+
+
+def gauge_sentences(fit: KinematicsFit) -> list[str]:
+    """Return a sentence for each freedom that the data leaves, in which `identifiable` says what is known."""
+    identifiable = {name for name, parameter in fit.parameters.items() if parameter.identifiable}
+    return [freedom.sentence(identifiable) for freedom in fit.gauge]
 
 
 def angle_noise_deg(fit: KinematicsFit) -> list[float | None]:

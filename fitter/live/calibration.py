@@ -14,8 +14,7 @@ from fitter.data.trials import to_trials
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score, score
 from fitter.dynamics.fit import fit_dynamics
-from fitter.dynamics.fit import known_by_motions as dynamics_by_motions
-from fitter.kinematics.geometry_fit import fit_of, known_by_motions
+from fitter.kinematics.found_geometry import fit_of
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.tip_error import TipScore, tip_score
@@ -121,14 +120,14 @@ class Calibration:
         self._known = None
         if self.geometry.is_determined.any():
             self.geometry.polish()
-            self._known = known_by_motions(fit_of(self.geometry), self.geometry, self.learn)
+            self._known = fit_of(self.geometry, self.learn)
 
     def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
         """Learn geometry and then dynamics of the arm from all learning motions so far."""
         self.settle_geometry()
         fit = self.kinematics()
         try:
-            found = fit_dynamics(
+            self.dynamics = fit_dynamics(
                 self.arm if fit is None else fit.arm,
                 self.learn,
                 objective="torque",
@@ -137,7 +136,6 @@ class Calibration:
                 geometries=None if fit is None else fit.drawn,
                 progress=progress,
             )
-            self.dynamics = dynamics_by_motions(found, self.learn)
             self.doubt = ""
         except LimbcalError as error:  # one motion may be too little; the next one may be enough
             self.doubt = str(error)

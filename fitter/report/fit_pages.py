@@ -85,7 +85,7 @@ def kinematics_page(
         sections=[Section("Geometry", fit.parameters, columns)],
         errors=error_rows(None, answer),
         assumptions=kinematics_assumptions(fit.arm),
-        notes=_notes(learn, evaluate),
+        notes=[*_notes(learn, evaluate), *fit.notes],
         provenance=provenance(files),
     )
 

@@ -131,7 +131,7 @@ def _write_report(
     arm, trials = calibration.calibrated(), [*calibration.learn, *calibration.evaluate]
     turning = tuple(joint.type == "revolute" for joint in arm.joints)
     dynamics_fields = _part(document, "dynamics")
-    fit = calibration.dynamics
+    fit, geometry = calibration.dynamics, calibration.kinematics()
     CalibrationPage(
         arm=arm,
         lead=f"{len(calibration.learn)} motions learnt from, {len(calibration.evaluate)} held back to evaluate.",
@@ -148,6 +148,7 @@ def _write_report(
         notes=[
             *notes,
             *(note for trial in trials for note in of_source(trial.notes, trial.name)),
+            *(() if geometry is None else geometry.notes),
             *(() if fit is None else fit.notes),
         ],
         provenance=provenance(),

@@ -18,7 +18,9 @@ _STRONGEST = 0.97
 _LARGEST_SHARE = 0.99
 
 
-def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray[np.intp]) -> Floats:
+def sandwich_covariance(
+    W: Floats, grams: Floats, scores: Floats, group: NDArray[np.intp], centred: bool = False
+) -> Floats:
     """Return the covariance of a least-squares answer.
 
     Parameters
@@ -31,6 +33,8 @@ def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray
         ``A^T r`` at the answer, of each block.
     group : (n_block,) int
         Blocks of different trials are independent; blocks of one trial follow one another in time.
+    centred : bool
+        Whether what the blocks of a trial share is left out: how far trials would then disagree.
 
     Returns
     -------
@@ -46,6 +50,10 @@ def sandwich_covariance(W: Floats, grams: Floats, scores: Floats, group: NDArray
     share, axes = np.linalg.eigh(root.T @ grams @ root)
     along = np.einsum("bki,bk->bi", axes, scores @ root) / np.sqrt(1.0 - np.clip(share, 0.0, _LARGEST_SHARE))
     influences = np.einsum("bki,bi->kb", axes, along)  # how far each block pulls the answer
+    if centred:
+        trial = np.unique(group, return_inverse=True)[1]
+        sums = np.array([np.bincount(trial, row) for row in influences])
+        influences = influences - (sums / np.bincount(trial))[:, trial]
     scatter = influences @ influences.T
     lags = _bandwidth(influences, group)
     for lag in range(1, lags + 1):

@@ -16,6 +16,7 @@ KEYS = {"parameters", "method", "generations", "samples", "seconds", "tip_error_
     "about",
     "gauge",
     "explained",
+    "ci95",
     "notes",
 }
 
@@ -62,6 +63,9 @@ def test_the_document_is_the_contracts(fitter, files, guess, tmp_path):
     assert document["angle_noise_source"] == "spectrum" and document["about"] == "rest"
     assert ["theta_offset1"] in [freedom["parameters"] for freedom in document["gauge"]]
     assert "not identified: d1" in outcome.said
+    assert "identified only with the base as the arm file has it given: theta_offset1" in outcome.said
+    low, high = document["ci95"]["a1"]
+    assert low < document["parameters"]["a1"]["value"] < high and document["ci95"]["d1"] is None
     a1, d1 = document["parameters"]["a1"], document["parameters"]["d1"]
     assert a1["value"] == pytest.approx(0.25, abs=1e-6) and a1["identifiable"] and a1["unit"] == "m"
     assert d1 == {"value": 0.0, "std": None, "unit": "m", "identifiable": False}
@@ -102,6 +106,10 @@ def test_a_recording_gives_both_sets_and_what_was_learnt_live(fitter, recording,
     assert outcome.document["parameters"]["a1"]["value"] == pytest.approx(0.25, abs=2e-3)
     assert outcome.document["parameters"]["a2"]["value"] == pytest.approx(0.3, abs=2e-3)
     assert outcome.document["tip_error_mm"]["evaluate"]["mean"] < 10.0
+    assert "two motions can hardly tell" in outcome.said
+    for name, length in (("a1", 0.25), ("a2", 0.3)):  # Student's with one degree of freedom
+        low, high = outcome.document["ci95"][name]
+        assert low < length < high and high - low > 20.0 * outcome.document["parameters"][name]["std"]
     live = calibration.kinematics().parameters
     for name in ("a1", "a2"):
         assert outcome.document["parameters"][name]["value"] == pytest.approx(live[name].value, abs=1e-4)

@@ -31,6 +31,8 @@ def test_document(bench_trials):
         "about",
         "gauge",
         "explained",
+        "ci95",
+        "notes",
     ]
     assert list(result["parameters"]) == [f"{name}{i}" for i in (1, 2) for name in GEOMETRY]
     assert result["method"] == "ga"

@@ -36,3 +36,13 @@ def test_matches_the_scatter_of_the_answers(memory):
 def test_too_few_blocks_tell_nothing():
     covariance = sandwich_covariance(np.eye(2), np.ones((3, 2, 2)), np.ones((3, 2)), np.zeros(3, dtype=np.intp))
     assert np.all(np.isnan(covariance))
+
+
+def test_centred_blocks_leave_out_what_trials_share():
+    rng, trial = np.random.default_rng(0), np.repeat(np.arange(4), 50)
+    scores = rng.normal(size=(200, 1))
+    shifted = scores + rng.normal(0.0, 10.0, (4, 1))[trial]
+    sums = np.sqrt([[200.0]]), np.ones((200, 1, 1))
+    plain, centred = (sandwich_covariance(*sums, one, trial, centred=True) for one in (scores, shifted))
+    assert centred == pytest.approx(plain)
+    assert plain == pytest.approx(sandwich_covariance(*sums, scores, trial), rel=0.2)
