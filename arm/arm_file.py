@@ -9,9 +9,10 @@ from pathlib import Path
 import numpy as np
 from pydantic import ValidationError
 
-from arm.arm_schema import ArmTable, contradictions, mistakes_of
+from arm.arm_schema import ArmTable, mistakes_of
 from arm.body.limbs import BODY, LIMBS, MEAN_PERSON, limb
 from arm.model import Arm, Estimate
+from arm.schema_contradictions import contradictions
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.suggestion import did_you_mean
 from limbcal.toml import parse_toml, read_toml_text

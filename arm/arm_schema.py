@@ -1,11 +1,13 @@
 """The fields of `arm.toml` (schema 1), what each may be, and the mistakes a file makes against them."""
 
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal
+import math
+from collections.abc import Callable, Collection
+from typing import Annotated, Literal
 
-from pydantic import AfterValidator, BaseModel, ConfigDict, Field, ValidationError
+from pydantic import AfterValidator, BaseModel, BeforeValidator, ConfigDict, Field, ValidationError
 
-from arm.effects.check import mistakes_in
+from arm.body.limbs import BODY, LIMBS
+from arm.body.tracked_segments import TRACKED_SEGMENTS
 from arm.model import (
     STANDARD_GRAVITY_M_S2,
     Arm,
@@ -26,7 +28,6 @@ from arm.model import (
     Tip,
 )
 from arm.schema_fields import fields_at
-from arm.sensor_covariance import mistakes_of_covariance
 from limbcal.suggestion import did_you_mean
 
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]  # neither "1.0" nor true is a number
@@ -48,11 +49,30 @@ def _for_a_file(name: str) -> str:
     return name
 
 
+def _whole(value: object) -> object:
+    if type(value) is not int:  # true and 1.0 equal 1
+        raise ValueError("input should be 1")
+    return value
+
+
+def _standard_error(std: float) -> float:
+    if std < 0.0 or math.isinf(std):
+        raise ValueError("expected a finite number not below 0; left out where it is not known")
+    return std
+
+
+def _one_of(names: Collection[str]) -> Callable[[str], str]:
+    def known(name: str) -> str:
+        if name not in names:
+            raise ValueError(f"expected one of {', '.join(names)}{did_you_mean(name, names)}")
+        return name
+
+    return known
+
+
 Name = Annotated[str, Field(min_length=1, max_length=_LONGEST_NAME), AfterValidator(_printable)]
 Vector = tuple[Number, Number, Number]
 Factor = Annotated[Number, Field(gt=0.0)]
-#: The gains that each law needs.
-_GAINS = {"pd": ("kp", "kv"), "pda": ("kp", "kv", "ka"), "p": ("kp",)}
 
 
 class _Table(BaseModel):
@@ -122,7 +142,7 @@ class _Tip(_Table):
 class _Base(_Table):
     position_m: Vector = (0.0, 0.0, 0.0)
     rotation_rad: Vector = (0.0, 0.0, 0.0)
-    segment: Name | None = None
+    segment: Annotated[str, AfterValidator(_one_of(TRACKED_SEGMENTS))] | None = None
 
 
 class _Marker(_Table):
@@ -134,7 +154,7 @@ class _Marker(_Table):
 
 
 class _Body(_Table):
-    preset: Name
+    preset: Annotated[str, AfterValidator(_one_of((*LIMBS, BODY)))]
     mass_kg: Factor
     height_m: Factor
     sex: Literal["f", "m"]
@@ -142,7 +162,7 @@ class _Body(_Table):
 
 class _Estimate(_Table):
     value: Number
-    std: Annotated[float, Field(strict=True)] = float("nan")
+    std: Annotated[float, Field(strict=True), AfterValidator(_standard_error)] = float("nan")
 
 
 class _Effect(_Table):
@@ -163,7 +183,7 @@ class _Control(_Table):
 class ArmTable(_Table):
     """The whole file."""
 
-    schema_version: Annotated[Literal[1], Field(alias="schema")]
+    schema_version: Annotated[Literal[1], BeforeValidator(_whole), Field(alias="schema")]
     name: Annotated[Name, AfterValidator(_for_a_file)]
     gravity_m_s2: Vector = (0.0, 0.0, -STANDARD_GRAVITY_M_S2)
     joint: Annotated[tuple[_Joint, ...], Field(min_length=1)]
@@ -240,63 +260,3 @@ def mistakes_of(error: ValidationError, where: str, schema: type[BaseModel]) -> 
             expected = said[0].lower() + said[1:]
             sentences.append(f"{where}: {field} is {mistake['input']!r}; {expected}")
     return sentences
-
-
-def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
-    """Return what each field allows but the file as a whole does not.
-
-    It looks at the file as it was read, so that these mistakes are named beside those in single fields; what has
-    the wrong type is passed over here.
-    """
-    n_joint = len(_tables(raw.get("joint")))
-    sensors = _tables(raw.get("sensor"))
-    names = [sensor.get("name") for sensor in sensors]
-    sentences = _riding(sensors, "sensor", 1, n_joint, where)
-    sentences += _riding(_tables(raw.get("marker")), "marker", 0, n_joint, where)
-    for k, joint in enumerate(_tables(raw.get("joint"))):
-        parent = joint.get("parent")
-        if type(parent) is int and parent > k:
-            expected = "0, the base" if k == 0 else f"0 to {k}, the base or an earlier link"
-            sentences.append(f"{where}: joint[{k}].parent is {parent}, expected {expected}")
-        match joint.get("limits"):
-            case [int() | float() as least, int() | float() as most] if not least < most:
-                sentences.append(f"{where}: joint[{k}].limits is {[least, most]}, expected the least one first")
-    tip, known = raw.get("tip"), [name for name in names if isinstance(name, str)]
-    if isinstance(tip, dict) and isinstance(tip.get("sensor"), str) and tip["sensor"] not in known:
-        sentences.append(
-            f"{where}: tip.sensor is {tip['sensor']!r}, expected one of {', '.join(known) or 'no sensor'}"
-        )
-    sentences += [f"{where}: {one}" for one in mistakes_of_covariance(raw.get("sensor_covariance"), known)]
-    effects = _tables(raw.get("effect"))
-    markers = [name for one in _tables(raw.get("marker")) if isinstance(name := one.get("name"), str)]
-    sentences += [f"{where}: {mistake}" for mistake in mistakes_in(effects, n_joint, known, markers)]
-    control = raw.get("control")
-    if isinstance(control, dict) and n_joint:
-        for gain in _GAINS.get(str(control.get("law")), ()):
-            given = control.get(gain, [])
-            if isinstance(given, list) and len(given) != n_joint:
-                sentences.append(
-                    f"{where}: control.{gain} has {len(given)} numbers, expected one a joint ({n_joint})"
-                )
-    return sentences
-
-
-def _riding(tables: list[dict[str, Any]], kind: str, least: int, n_joint: int, where: str) -> list[str]:
-    """Return the mistakes in where sensors or markers ride, and in their names."""
-    names = [table.get("name") for table in tables]
-    sentences = [
-        f"{where}: {kind}[{k}].joint is {table['joint']}, expected {least} to {n_joint}"
-        for k, table in enumerate(tables)
-        if isinstance(table.get("joint"), int) and table["joint"] > n_joint > 0
-    ]
-    sentences += [
-        f"{where}: {kind}[{k}].name is {name!r}, which {kind}[{names.index(name)}] has already"
-        for k, name in enumerate(names)
-        if isinstance(name, str) and names.index(name) < k
-    ]
-    return sentences
-
-
-def _tables(value: object) -> list[dict[str, Any]]:
-    """Return an array of tables; what is none of it counts as an empty table."""
-    return [item if isinstance(item, dict) else {} for item in value] if isinstance(value, list) else []

@@ -1,4 +1,4 @@
-"""What in an arm file is possible and hardly meant: lengths in millimetres, angles in degrees, gravity in g.
+"""What in an arm file is hardly meant: lengths in millimetres, angles in degrees, and what no arm can have.
 
 A file that may be right is not refused: each doubt is a note that names the field, what it is and what is meant.
 """
@@ -6,7 +6,8 @@ A file that may be right is not refused: each doubt is a note that names the fie
 import math
 from collections.abc import Iterator
 
-from arm.model import Arm, Joint, Sensor
+from arm.model import Arm, Body, Joint, Sensor
+from arm.possible import impossibilities
 from limbcal.note import Note
 
 #: No link or lever of an arm or leg is longer: the largest industrial robots reach 5 m in all [m].
@@ -19,12 +20,16 @@ _TURN_RAD = 2.0 * math.pi * (1.0 + 1e-9)
 _GRAVITY_M_S2 = (0.25, 20.0)
 #: No link is heavier [kg].
 _HEAVIEST_KG = 1000.0
+#: From a newborn to the heaviest and tallest who were measured [kg, m].
+_BODY_KG, _BODY_M = (1.0, 650.0), (0.3, 2.8)
 #: An accelerometer's zero is hardly off by more [m/s^2].
 _BIAS_M_S2 = 10.0
 
 
 def questions_of(arm: Arm, source: str = "") -> tuple[Note, ...]:
-    """Return a note for each number of an arm that looks as if it were in another unit.
+    """Return a note for each number of an arm that looks as if it were in another unit, or that no arm can have.
+
+    Their kinds are ``unit`` and ``impossible``.
 
     Parameters
     ----------
@@ -32,7 +37,20 @@ def questions_of(arm: Arm, source: str = "") -> tuple[Note, ...]:
     source : str
         Its file or name, for the notes.
     """
-    return tuple(Note("unit", text, source, (field,)) for field, text in _doubts(arm))
+    units = [Note("unit", text, source, (field,)) for field, text in _doubts(arm)]
+    doubted = {_table_of(note.columns[0]) for note in units}  # a mass in grams makes no body either
+    return (
+        *units,
+        *(
+            Note("impossible", text, source, (field,))
+            for field, text in impossibilities(arm)
+            if _table_of(field) not in doubted
+        ),
+    )
+
+
+def _table_of(field: str) -> str:
+    return field.rpartition(".")[0]
 
 
 def _doubts(arm: Arm) -> Iterator[tuple[str, str]]:
@@ -47,6 +65,17 @@ def _doubts(arm: Arm) -> Iterator[tuple[str, str]]:
         yield from _of_sensor(f"sensor[{k}]", sensor)
     if arm.tip is not None:
         yield from _lengths("tip.offset_m", arm.tip.offset_m)
+    if arm.body is not None:
+        yield from _of_body(arm.body)
+
+
+def _of_body(body: Body) -> Iterator[tuple[str, str]]:
+    for field, value, (least, most), less, more, expected in (
+        ("body.mass_kg", body.mass_kg, _BODY_KG, "tonnes?", "grams?", "kilograms"),
+        ("body.height_m", body.height_m, _BODY_M, "not a body's height?", "centimetres?", "metres"),
+    ):
+        if not least <= value <= most:
+            yield _said(field, value, less if value < least else more, expected)
 
 
 def _of_joint(name: str, joint: Joint) -> Iterator[tuple[str, str]]:

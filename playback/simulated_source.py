@@ -5,6 +5,7 @@ from pathlib import Path
 import numpy as np
 
 from arm.model import Arm
+from arm.possible import why_it_runs_away
 from arm.simulation import simulate
 from limbcal.errors import ConfigError, DataError
 from playback.motion_trials import Signals, read_trials
@@ -67,6 +68,8 @@ def simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
     q0 = signals["q"][0] if "q" in signals else targets[0]
     dq0 = signals["dq"][0] if "dq" in signals else None
     motion = simulate(arm, targets, dt_s, q0, dq0, torque=torque)
+    if not np.isfinite(motion.q).all():
+        raise DataError(f"it runs away to infinity: {why_it_runs_away(arm)}")
     t = np.linspace(0.0, signals["t"][-1], len(signals["t"]))  # what was simulated, not what was printed
     return Trajectory(t, motion.q, motion.dq, motion.ddq, method="simulate")
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from rich.progress import track as progress
 
 from arm.arm_file import save_arm
+from arm.body.limbs import BODY, LIMBS
 from arm.model import Arm, Body
 from fitter.commands.ground_said import say_ground
 from fitter.commands.options import height_m, mass_kg
@@ -124,7 +125,8 @@ def _check(arguments: argparse.Namespace) -> None:
 def _of_person(arguments: argparse.Namespace, arm: Arm) -> Arm:
     person = (arguments.mass, arguments.height, arguments.sex)
     if all(value is not None for value in person):
-        return replace(arm, body=Body(arm.name, *person))
+        preset = arm.name if arm.name in LIMBS else BODY
+        return replace(arm, body=Body(preset if arm.body is None else arm.body.preset, *person))
     if any(value is not None for value in person):
         raise ConfigError("--mass, --height and --sex belong together, expected all three or none")
     if arguments.prior is not None and arm.body is None:

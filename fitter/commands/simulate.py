@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 
 from arm.kinematics import tip_position
 from arm.model import Arm, Floats
+from arm.possible import why_it_runs_away
 from arm.simulation import Motion, simulate
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
@@ -73,9 +74,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         place = float(measured.t[0]), measured.number(number)
         motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
-            raise DataError(
-                f"{measured.name}: the simulation runs away to infinity; expected an arm that masses can have"
-            )
+            raise DataError(f"{measured.name}: the simulation runs away to infinity: {why_it_runs_away(arm)}")
         columns = {name: getattr(motion, name) for name in ("q", "dq", "ddq", "tau", "ref")}
         parts.append(
             {

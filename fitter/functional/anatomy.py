@@ -1,6 +1,6 @@
-"""Segments and bony landmarks that a marker set may name, and which segment a landmark is part of."""
+"""Bony landmarks that a marker set may name, and which segment each is part of."""
 
-SIDES = ("right", "left")
+from arm.body.tracked_segments import MIDDLE_SEGMENTS, SIDES
 
 #: Landmarks in the middle of the body, with their segment.
 _MIDDLE = {"suprasternal_notch": "thorax", "xiphoid": "thorax", "c7": "thorax", "t8": "thorax", "t10": "thorax"}
@@ -25,15 +25,9 @@ _SIDED = {
     "second_metatarsal": "foot",
     "fifth_metatarsal": "foot",
 }
-_ONCE = ("pelvis", "thorax")
-_TWICE = ("scapula", "upper_arm", "forearm", "hand", "thigh", "shank", "foot")
-
-#: Names of all segments.
-SEGMENTS = (*_ONCE, *(f"{segment}_{side}" for segment in _TWICE for side in SIDES))
-
 #: Name of each landmark, with the segment it is part of.
 LANDMARKS = _MIDDLE | {
-    f"{landmark}_{side}": segment if segment in _ONCE else f"{segment}_{side}"
+    f"{landmark}_{side}": segment if segment in MIDDLE_SEGMENTS else f"{segment}_{side}"
     for landmark, segment in _SIDED.items()
     for side in SIDES
 }

@@ -7,8 +7,8 @@ import numpy as np
 from scipy.cluster.hierarchy import fcluster, linkage
 from scipy.spatial.distance import squareform
 
+from arm.body.tracked_segments import TRACKED_SEGMENTS
 from arm.model import Floats
-from fitter.functional.anatomy import SEGMENTS
 from fitter.functional.marker_set import load_marker_set, marker_set_names
 from limbcal.errors import DataError
 
@@ -49,7 +49,7 @@ class Draft:
         lines = [
             "# A draft: markers that keep their distances ride on one segment. Give every line its name,",
             "# join what belongs together, and take out what rides on nothing. The names are",
-            *(f"#   {', '.join(SEGMENTS[i : i + 4])}" for i in range(0, len(SEGMENTS), 4)),
+            *(f"#   {', '.join(TRACKED_SEGMENTS[i : i + 4])}" for i in range(0, len(TRACKED_SEGMENTS), 4)),
             "schema = 1",
             f"name = {_quoted(name)}",
             "",

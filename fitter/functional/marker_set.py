@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from importlib import resources
 from pathlib import Path
 
-from fitter.functional.anatomy import LANDMARKS, SEGMENTS
+from arm.body.tracked_segments import TRACKED_SEGMENTS
+from fitter.functional.anatomy import LANDMARKS
 from limbcal.errors import ConfigError
 from limbcal.suggestion import did_you_mean
 from limbcal.toml import parse_toml, read_toml_text
@@ -114,9 +115,9 @@ def _segments(raw: object, where: str, mistakes: list[str]) -> dict[str, tuple[s
     found: dict[str, tuple[str, ...]] = {}
     rides_on: dict[str, str] = {}
     for segment, markers in raw.items():
-        if segment not in SEGMENTS:
-            meant = did_you_mean(segment, SEGMENTS)
-            mistakes.append(f"{where}: segments.{segment}: no such segment, expected {', '.join(SEGMENTS)}{meant}")
+        if segment not in TRACKED_SEGMENTS:
+            known = f"{', '.join(TRACKED_SEGMENTS)}{did_you_mean(segment, TRACKED_SEGMENTS)}"
+            mistakes.append(f"{where}: segments.{segment}: no such segment, expected {known}")
         if not isinstance(markers, list) or not markers or not all(map(_is_name, markers)):
             expected = 'expected a list of marker names, such as ["A1", "A2", "A3"]'
             mistakes.append(f"{where}: segments.{segment}: found {_found(markers)}, {expected}")

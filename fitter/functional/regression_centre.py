@@ -9,8 +9,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from arm.body.tracked_segments import SIDES
 from arm.model import Floats
-from fitter.functional.anatomy import SIDES
 
 _Landmarks = Mapping[str, Floats]
 

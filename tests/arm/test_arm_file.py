@@ -74,7 +74,7 @@ def arms(draw):
         draw(VECTOR),
         tuple(sensors),
         draw(st.builds(Tip, st.sampled_from(names), VECTOR)) if names else None,
-        draw(st.dictionaries(KEY, st.builds(Estimate, NUMBER, NUMBER), max_size=3)),
+        draw(st.dictionaries(KEY, st.builds(Estimate, NUMBER, LEAST), max_size=3)),
         tuple(draw(st.lists(effects(len(joints), names, marked), unique_by=lambda effect: effect.name))),
         draw(
             st.just(Control())

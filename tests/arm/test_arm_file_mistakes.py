@@ -47,6 +47,12 @@ def test_mistakes_in_a_field_do_not_hide_those_between_fields():
     [
         (("schema = 1", "schema = 2"), "it: schema is 2; input should be 1"),
         (("schema = 1\n", ""), "it: schema is missing"),
+        (("schema = 1", "schema = true"), "it: schema is True; input should be 1"),
+        (("std = 0.0004", "std = -2"), "it: base_parameters.I1+m2*L1^2.std is -2; expected a finite number not"),
+        (("std = 0.0004", "std = inf"), "it: base_parameters.I1+m2*L1^2.std is inf; expected a finite number"),
+        (('"human-arm-right"', '"dog"'), "it: body.preset is 'dog'; expected one of human-arm-right, human-arm-"),
+        (("scapula_right", "tail"), "it: base.segment is 'tail'; expected one of pelvis, thorax, scapula_right"),
+        (("scapula_right", "scapula_rigth"), "it: base.segment is 'scapula_rigth'; expected one of pelvis,"),
         (("mass_kg = 1.0", "mass_kg = nan"), "it: joint[0].link.mass_kg is nan; input should be a finite number"),
         (("a_m = 0.25", 'a_m = "0.25"'), "it: joint[0].a_m is '0.25'; input should be a valid number"),
         (("-9.80665]", "-9.80665, 1.0]"), "it: gravity_m_s2 is [0.0, 0.0, -9.80665, 1.0]; tuple should have at"),

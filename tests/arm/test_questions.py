@@ -5,6 +5,7 @@ from dataclasses import replace
 import pytest
 
 from arm.arm_file import load_arm, parse_arm, preset_names
+from arm.model import Body
 from arm.questions import questions_of
 
 ARM = """
@@ -76,6 +77,22 @@ def test_another_unit_is_questioned(changed: dict[str, object], text: str) -> No
     (note,) = questions_of(parse_arm(ARM.format(**{**PLAIN, **changed}), "arm.toml"), "arm.toml")
     assert (note.kind, note.source, note.text) == ("unit", "arm.toml", text)
     assert note.columns == (text.split(" is ", maxsplit=1)[0],)
+
+
+@pytest.mark.parametrize(
+    ("body", "text"),
+    [
+        (Body("human-body", 70.0, 175.0, "f"), "body.height_m is 175: centimetres? expected metres"),
+        (Body("human-body", 70000.0, 1.75, "f"), "body.mass_kg is 70000: grams? expected kilograms"),
+    ],
+)
+def test_a_body_in_another_unit_is_questioned(body: Body, text: str) -> None:
+    assert [note.text for note in questions_of(replace(load_arm("dd-arm"), body=body))] == [text]
+
+
+def test_what_no_arm_can_have_is_a_note_of_its_kind() -> None:
+    (note,) = questions_of(parse_arm(ARM.format(**{**PLAIN, "mass": -1.0}), "arm.toml"), "arm.toml")
+    assert (note.kind, note.source, note.columns) == ("impossible", "arm.toml", ("joint[0].link.mass_kg",))
 
 
 def test_each_field_is_a_note_of_its_own() -> None:
