@@ -18,7 +18,7 @@ from fitter.ground.fit_corner import fit_corner_hz
 from fitter.ground.floating_base import floating_base
 from fitter.ground.ground_document import document
 from fitter.ground.ground_dynamics import learn_from_ground
-from fitter.ground.ground_score import ground_score
+from fitter.ground.ground_score import ground_score, worse_than_nothing
 from fitter.ground.ground_trial import GroundTrial, ground_trial
 from fitter.ground.link_names import link_named, link_names
 from fitter.report.ground_page import write_ground_page
@@ -100,6 +100,9 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
         role: ground_score(arm, base, some, fit.before, fit.values, band_hz) if some else None
         for role, some in (("learn", learnt_from), ("evaluate", judged))
     }
+    worse = worse_than_nothing(base, scores)
+    say_notes(worse)
+    notes += worse
     save_arm(fit.arm, arguments.out)
     answer = document(fit, scores, trials, names, prior=arguments.prior is not None)
     say_ground(fit, scores, names, prior=arguments.prior is not None)

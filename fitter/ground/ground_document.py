@@ -48,6 +48,7 @@ def document(
         "seconds": fit.seconds,
         "condition_number": fit.condition_number,
         "torque_rms_N_m": {role: s and _of_joints(fit, s.joint_rms) for role, s in scores.items()},
+        "angle_error_deg": dict.fromkeys(scores),  # a person is simulated by no law
         "explained": {role: s and _of_joints(fit, s.explained) for role, s in scores.items()},
         "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
         "ground_residual": {role: s and s.document() for role, s in scores.items()},

@@ -1,6 +1,6 @@
 """How far bodies are from satisfying the six base equations: the table's, and those that were learnt."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,6 +10,7 @@ from arm.model import Arm, Floats
 from fitter.ground.floating_base import N_FREE, FloatingBase, along_joints
 from fitter.ground.frequency_rows import frequency_rows
 from fitter.ground.ground_trial import GroundTrial
+from limbcal.note import Note
 
 
 @dataclass(frozen=True)
@@ -74,4 +75,28 @@ def ground_score(
         (moment[0], moment[1]),
         np.sqrt(joint / n),
         1.0 - joint / np.maximum(measured, 1e-300),
+    )
+
+
+def worse_than_nothing(base: FloatingBase, scores: Mapping[str, GroundScore | None]) -> tuple[Note, ...]:
+    """Return a note for each component of the ground's wrench that the bodies predict worse than zero would.
+
+    Parameters
+    ----------
+    base : FloatingBase
+    scores : mapping of str to GroundScore or None
+        By role, ``learn`` and ``evaluate``.
+    """
+    return tuple(
+        Note(
+            "unexplained",
+            f"along joint {i + 1} the learnt bodies predict the ground's reaction in the {title} trials worse "
+            f"than zero would (what is left has {100.0 * (1.0 - share):.0f} % of its power): hardly anything of "
+            "it is the body's motion, or the plates' zero or place or the base's angles are off there",
+            columns=(f"q{i + 1}",),
+        )
+        for role, title in (("learn", "learning"), ("evaluate", "evaluating"))
+        if (score := scores.get(role)) is not None
+        for i, share in zip(base.joints, score.explained.tolist(), strict=True)
+        if share < 0.0
     )

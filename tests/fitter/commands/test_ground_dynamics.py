@@ -50,6 +50,7 @@ def test_masses_are_learnt_judged_and_written(recorded, capsys):
     answer = json.loads(capsys.readouterr().out)
     assert all(0.0 <= one["learnt"] <= 1.0 for one in answer["parameters"].values())
     assert answer["ground_residual"]["evaluate"]["squared_reduction"]["moment"] > 0.8
+    assert answer["angle_error_deg"] == {"learn": None, "evaluate": None}
     explained = answer["explained"]["evaluate"]
     assert len(explained) == PERSON.n_joint and min(explained[:3]) > 0.5 and explained[6] is None
     written = sum(joint.link.mass_kg for joint in load_arm(str(folder / "out.toml")).joints)
