@@ -57,7 +57,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--initial-q",
         metavar="Q1,…",
-        help="where the arm rests at the start [rad or m] (as gravity shows, or 0; with integrate 0)",
+        help="where the arm is at the start [rad or m] (as gravity shows, or 0; with integrate 0)",
     )
     parser.add_argument("--frame-rate-hz", type=positive, default=1000.0, metavar="R", help="(1000)")
     add_columns(parser)
@@ -88,7 +88,11 @@ def track(arguments: argparse.Namespace) -> Document:
         start = tracked[-1].last_q if run.after_leap else q0
         tracked.append(track_run(run, arm, start, arguments.frame_rate_hz, method, zero or "each-rest"))
     seconds = time.perf_counter() - began
-    notes = [note for run in runs for note in of_source(run.notes, run.name)]
+    notes = [
+        note
+        for run, part in zip(runs, tracked, strict=True)
+        for note in of_source((*run.notes, *part.notes), run.name)
+    ]
     if method == "integrate" and (aside := sorted({name for run in runs for name in run.gyros})):
         text = f"double integration has no use for gyroscopes: those of {', '.join(aside)} are left aside"
         notes.append(Note("unused", text, columns=tuple(axis for name in aside for axis in gyro_axes(name))))
@@ -115,8 +119,8 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
     verdict = part.verdict
     if run.after_leap and (verdict.wrong or verdict.converged is False):
         say(
-            f"warning: {run.name}: it begins where time leapt, perhaps in the middle of a motion, and a tracker "
-            "begins at rest: do not rely on its angles; expected a recording of its own that begins at rest"
+            f"warning: {run.name}: it begins where time leapt, and the arm may have moved meanwhile: do not rely on "
+            "its angles; expected a recording of its own that begins at rest"
         )
     elif verdict.discrepancy_m_s2 is not None:
         rate = f" and {verdict.discrepancy_rad_s:.2g} rad/s" if verdict.discrepancy_rad_s else ""

@@ -1,6 +1,7 @@
 """A recording of raw accelerations, tracked from end to end."""
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
@@ -13,14 +14,19 @@ from fitter.data.measured_tip import measured_tip
 from fitter.data.raw import RawRun
 from fitter.sensing.followed import Followed, follow, smoothed
 from fitter.sensing.verdict import Verdict
+from limbcal.note import Note
 from tracking.dead_reckoning.integrator import Zero
 from tracking.model.frames import Phase
+from tracking.model.zero_velocity import WINDOW_S
 from tracking.tracker import tracker_of
 
 Floats = NDArray[np.float64]
 Bools = NDArray[np.bool_]
 Method = Literal["integrate", "filter", "smooth"]
 
+#: Of a recording so much shows whether it begins at rest [s]: that is asked of a quarter of a second, besides what
+#: decimation needs.
+_LOOKED_AT_S = 2.0 * WINDOW_S
 #: An angle is held to be within so many of its own standard deviations.
 _SIGMAS = 3.0
 
@@ -43,12 +49,15 @@ class Tracked:
         joint.
     within_3_std : ndarray of bool, shape (n, n_joint), or None
         Whether that is at most three of its standard deviations, where the tracker claims any.
+    notes : tuple of Note
+        What there is to say about how the recording begins.
     """
 
     columns: dict[str, NDArray[np.generic]]
     verdict: Verdict
     error_deg: Floats | None
     within_3_std: Bools | None
+    notes: tuple[Note, ...] = ()
 
     @property
     def frames(self) -> int:
@@ -94,6 +103,7 @@ def track_run(
         motion = smoothed(run, arm, initial_q_rad, rate_hz)
     else:
         motion = follow(run, tracker_of(arm, method, run.rate_hz, initial_q_rad, rate_hz, zero))
+    notes = beginning(run, rate_hz, method)
     t, q = motion.t, motion.column("q")
     columns: dict[str, NDArray[np.generic]] = {"t": t}
     columns |= {name: motion.column(name) for name in ("q", "dq", "ddq")}
@@ -109,11 +119,31 @@ def track_run(
         columns["ref"] = run.ref[row]
     columns["trial"] = run.trial[row] if run.trial is not None else trials_of(t, motion.phases)
     if run.q is None:
-        return Tracked(columns, motion.verdict, None, None)
+        return Tracked(columns, motion.verdict, None, None, notes)
     error = np.abs(q - np.column_stack([np.interp(t, run.t, run.q[:, j]) for j in range(arm.n_joint)]))
     unit = np.array([180.0 / np.pi if joint.type == "revolute" else 1e3 for joint in arm.joints])
     within = None if q_std is None else error <= _SIGMAS * q_std
-    return Tracked(columns, motion.verdict, error * unit, within)
+    return Tracked(columns, motion.verdict, error * unit, within, notes)
+
+
+def beginning(run: RawRun, frame_rate_hz: float, method: Method) -> tuple[Note, ...]:
+    """Return what there is to say where a recording begins in the middle of a motion."""
+    rows = math.ceil(_LOOKED_AT_S * run.rate_hz)
+    first = replace(
+        run,
+        t=run.t[:rows],
+        a=run.a[:rows],
+        w=None if run.w is None else run.w[:rows],
+        gaps=tuple(gap for gap in run.gaps if gap.row < rows),
+    )
+    if not first.readings(frame_rate_hz).begins_in_motion:
+        return ()
+    text = "it begins in the middle of a motion: "
+    if method == "smooth":
+        text += "how fast the arm was and where is learnt from what follows"
+    else:
+        text += f"--method {method} begins at rest, do not rely on its angles; expected --method smooth, or a rest"
+    return (Note("moving", text, from_s=float(run.t[0])),)
 
 
 def trials_of(t: Floats, phases: list[Phase]) -> NDArray[np.int64]:

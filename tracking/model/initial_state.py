@@ -17,15 +17,17 @@ _OFFSET_MARGIN = 2.0
 _RATE_OFFSET_STD = 0.1
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
 _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
-#: How well an angle is known that was given, and one that was not [rad]; those that gravity doesn't show are the
-#: zero.
+#: How well an angle is known that was given, and one that was not [rad or m]; those that readings don't show are
+#: the zero.
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 #: An angle that is the zero by definition [rad or m]: as little as keeps a covariance from being singular.
 _EXACT_STD = 1e-5
-#: Speed of an arm that is taken to rest at first [rad/s or m/s]: about half a degree a second, a convention.
-_SPEED_STD = 1e-2
-#: Accelerations of an arm that rests, and of one that doesn't [rad/s^2 or m/s^2]: conventions.
-_RESTING_STD, _MOVING_STD = 0.05, 10.0
+#: Speed and acceleration of an arm that is taken to rest at first [rad/s, rad/s^2; or m/s, m/s^2]: about half a
+#: degree a second, conventions.
+_RESTING_STDS = 1e-2, 0.05
+#: And of one that moves at first. Joints of robots turn at up to 3 rad/s (data sheets of UR5e, LBR iiwa), elbows at
+#: up to 20 rad/s in a throw, four times this; it takes half a second to get there.
+_MOVING_STDS = 5.0, 10.0
 #: A length that the arm file does not say the accuracy of may be a guess [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.
@@ -76,11 +78,13 @@ def start_state(
     first : (n_channel,)
         Mean of the first readings.
     steady : bool
-        They stayed what they are, so the arm rests; if not, nothing is known of its accelerations.
+        They stayed what they are, so the arm rests; if not, little is known of its speeds and accelerations.
     q : (n_joint,)
-        Where the arm rests when tracking begins.
+        Where the arm is when tracking begins.
     given : bool
         Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle and the arm rests.
+        Angles that gravity does not show of an arm at rest are ``q`` by definition; of an arm that moves only
+        those that no motion shows.
     mounting : MountingPrior
 
     Returns
@@ -97,17 +101,23 @@ def start_state(
     x[offset] = np.array(bias, dtype=float).ravel()
     offset_std = _offset_std(of)
     x[: 3 * n : 3] = _level(of, x, first, offset_std, q) if steady and not given else q
-    reading, slope = _at_rest(of, x)
+    reading, slope = _read(of, x)
     lasting = ~coupled & ~turning
     left, free = (first - reading)[lasting], np.count_nonzero(lasting) - n
     if steady and free > 0:
         usual = np.sqrt(np.sum(left**2) / free)
         offset_std[lasting] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
     x[offset] += np.where(coupled, first - reading, 0.0)
-    P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / offset_std[:, None], given)
+    if not steady:
+        slope = _in_motion(of, x)
+    # a motion shows an angle by how readings change, whatever an AC-coupled sensor stands at
+    told_to = offset_std if steady else np.minimum(offset_std, _OFFSET_STD)
+    unshown = GIVEN_STD if given and not steady else _EXACT_STD  # it was measured some time before the first frame
+    shown = GIVEN_STD if given else GUESSED_STD
+    P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / told_to[:, None], shown, unshown)
     std = np.zeros(size)
-    std[1 : 3 * n : 3], std[offset] = _SPEED_STD, offset_std
-    std[2 : 3 * n : 3] = _RESTING_STD if steady else _MOVING_STD
+    std[offset] = offset_std
+    std[1 : 3 * n : 3], std[2 : 3 * n : 3] = _RESTING_STDS if steady else _MOVING_STDS
     for joint, columns in zip(arm.joints, of.length_column, strict=True):
         for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
             if column != ABSENT:
@@ -135,7 +145,7 @@ def rest_residual(of: Observation, size: int, first: Floats, q: Floats, given: b
     x = np.zeros(size)
     n, offset_std = q.size, np.full(first.size, _OFFSET_STD)
     x[: 3 * n : 3] = q if given else _level(of, x, first, offset_std, q)
-    left: Floats = first - _at_rest(of, x)[0]
+    left: Floats = first - _read(of, x)[0]
     return left
 
 
@@ -167,11 +177,19 @@ def _constant_column(arm: Arm, of: Observation, s: int, number: str) -> int:
     return ABSENT
 
 
-def _at_rest(of: Observation, x: Floats) -> tuple[Floats, Floats]:
+def _read(of: Observation, x: Floats) -> tuple[Floats, Floats]:
+    """Return what is read in a state, and its slopes; most of what is asked here is asked of an arm at rest."""
     n_channel = 3 * of.link.size
     reading, slope = np.empty(n_channel), np.zeros((n_channel, x.size))
     observe(of, room_of(of.chain.revolute.size), x, reading, slope)
     return reading, slope
+
+
+def _in_motion(of: Observation, x: Floats) -> Floats:
+    """Return the slopes of what is read of an arm that moves as fast as one may, (n_channel, n_state)."""
+    n, moving = of.chain.revolute.size, x.copy()
+    moving[1 : 3 * n : 3], moving[2 : 3 * n : 3] = _MOVING_STDS
+    return _read(of, moving)[1]
 
 
 def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Floats) -> Floats:
@@ -180,7 +198,7 @@ def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Flo
     x, found = x.copy(), q.copy()
     for _ in range(20):
         x[: 3 * n : 3] = found
-        reading, slope = _at_rest(of, x)
+        reading, slope = _read(of, x)
         H = slope[:, : 3 * n : 3] / offset_std[:, None]
         step = np.linalg.solve(
             H.T @ H + np.eye(n) / GUESSED_STD**2,
@@ -192,10 +210,9 @@ def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Flo
     return found
 
 
-def _angle_covariance(H: Floats, given: bool) -> Floats:
-    """Return the angles' covariance; what gravity doesn't show of them is what everything is counted from."""
-    std = GIVEN_STD if given else GUESSED_STD
+def _angle_covariance(H: Floats, shown: float, unshown: float) -> Floats:
+    """Return the angles' covariance by the standard deviations of what readings show of them and what not."""
     information, axes = np.linalg.eigh(H.T @ H)
-    shown = information * GUESSED_STD**2 > 1.0
-    covariance: Floats = (axes * np.where(shown, std**2, _EXACT_STD**2)) @ axes.T
+    seen = information * GUESSED_STD**2 > 1.0
+    covariance: Floats = (axes * np.where(seen, shown**2, unshown**2)) @ axes.T
     return covariance

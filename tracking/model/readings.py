@@ -54,6 +54,13 @@ class Readings:
         return mean
 
     @property
+    def begins_in_motion(self) -> bool:
+        """Whether the readings of the first quarter of a second are all there, and change."""
+        cell, n_cell = window_frames(self.dt_s)
+        seen = len(self.values) >= cell * n_cell and self.present[: cell * n_cell].all()
+        return bool(seen) and not self.begins_steadily
+
+    @property
     def begins_steadily(self) -> bool:
         """Whether the readings of the first quarter of a second stay what they are."""
         return steady(self.values, self.dt_s, self.noise, self.factor)

@@ -100,13 +100,30 @@ class Smoother:
         DataError
             If no motion of the arm explains the readings at all.
         """
-        of, arm, n = self.observation, self._arm, self._arm.n_joint
         x0, P0 = self._before(readings, known, start, previous)
+        found = self._smooth(readings, x0, P0, x0, fine, progress, until)
+        if start is None and previous is None and not readings.begins_steadily:
+            # the filter knew neither how the arm moved nor where it was, and doubted what it read
+            found = self._smooth(readings, x0, P0, found.states[0], fine, progress, until)
+        return found
+
+    def _smooth(
+        self,
+        readings: Readings,
+        x0: Floats,
+        P0: Floats,
+        begin: Floats,
+        fine: bool,
+        progress: Callable[[int], None] | None,
+        until: int | None,
+    ) -> Smoothed:
+        """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere."""
+        of, arm, n = self.observation, self._arm, self._arm.n_joint
         course = course_of(readings, n)
         clocks = ClockSearch(of, course.readings)  # they are of each recording
         clocks.begin(x0, P0)
         course = clocks.moved(course)
-        states, still, resting = self._filter(course, readings, x0, P0)
+        states, still, resting = self._filter(course, readings, begin, P0)
         release(course, still)
         course = course._replace(push=np.full(n, SMOOTHER_PUSH_STD**2))
         stride = stride_of(course.dt)

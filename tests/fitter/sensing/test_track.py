@@ -56,6 +56,15 @@ def test_errors_are_those_against_the_true_angles(tracked, run):
     assert np.allclose(tracked.error_deg, expected)
 
 
+@pytest.mark.parametrize(("method", "said"), [("smooth", "what follows"), ("integrate", "--method smooth")])
+def test_a_recording_that_begins_in_motion_is_noted(start, short_run, method, said):
+    fast = slice(int(np.argmax(np.abs(short_run.truth["dq"][:8000]).max(axis=1))), None)
+    cut = replace(start, t=start.t[fast], a=start.a[fast], q=start.q[fast], ref=None)
+    (note,) = track_run(cut, short_run.arm, cut.q[0], 250.0, method).notes
+    assert note.kind == "moving" and said in note.text and note.from_s == cut.t[0]
+    assert track_run(start, short_run.arm, np.zeros(2), 250.0, "integrate").notes == ()
+
+
 def test_targets_are_the_ones_held_at_each_frame(tracked, run):
     t, ref = tracked.columns["t"], tracked.columns["ref"]
     assert np.array_equal(ref[t < 100.49], np.zeros((np.count_nonzero(t < 100.49), 2)))

@@ -73,11 +73,12 @@ def test_it_begins_steadily_where_it_rests_without_a_gap() -> None:
     moving = noise(4000)
     moving[:, 0] += np.sin(np.arange(4000) / 300.0)
     assert not built(moving).begins_steadily
+    assert built(moving).begins_in_motion and not built(noise(4000)).begins_in_motion
     late = noise(4000)
     late[1400:] += np.sin(np.arange(2600) / 300.0)[:, None]
     assert built(late).begins_steadily  # what comes later does not count
-    assert not built(noise(400), 100, noise(4000)).begins_steadily
-    assert not built(noise(800)).begins_steadily  # not long enough to tell
+    for untold in (built(noise(400), 100, noise(4000)), built(noise(800))):  # a gap, or not long enough
+        assert not untold.begins_steadily and not untold.begins_in_motion
 
 
 @pytest.mark.parametrize("rates", [(0.0, 1000.0), (4000.0, 0.0), (-1.0, 1000.0), (np.nan, 1000.0)])

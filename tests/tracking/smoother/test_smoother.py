@@ -63,6 +63,18 @@ def test_errors_are_within_what_it_says(level, upright):
         assert within[:, 1::3].mean() > 0.95
 
 
+@pytest.mark.parametrize("bench", ["level_bench", "upright_bench"])
+def test_a_recording_may_begin_in_the_middle_of_a_motion(bench, decimated, request):
+    whole = request.getfixturevalue(bench)
+    begin = int(np.argmax(np.abs(whole.dq).max(axis=1)))  # as fast as it ever is
+    parts = {name: getattr(whole, name)[begin : begin + 16000] for name in ("readings", "q", "dq", "ddq")}
+    cut = replace(whole, t=whole.t[: len(parts["q"])], **parts)
+    found, off = smoothed(cut, decimated(cut, RATE_HZ), cut.q[0])
+    assert found.converged and found.doubted < 0.01
+    assert (off[:, ::3] < 3 * np.sqrt(found.variance[:, ::3])).mean() > 0.95
+    assert np.rad2deg(off[:, ::3]).max() < 2.0
+
+
 def test_claims_are_not_idle(upright):
     """A claim ten times too large would be kept too; these are of the size of the errors."""
     found, off = upright
