@@ -7,6 +7,21 @@ from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
 
 
+def is_carried(arm: Arm) -> bool:
+    """Whether a tracked segment carries the arm, so that its base has six coordinates of its own."""
+    return arm.base is not None and arm.base.segment is not None
+
+
+def gravity_in_world(arm: Arm) -> Floats:
+    """Return gravity in the world's axes, (3,) [m/s²].
+
+    A file has it in the world where a segment carries the arm, and otherwise in frame 0.
+    """
+    gravity = np.array(arm.gravity_m_s2)
+    turned: Floats = gravity if is_carried(arm) else base_in_segment(arm)[0] @ gravity
+    return turned
+
+
 def base_in_segment(arm: Arm) -> tuple[Floats, Floats]:
     """Return frame 0 in the segment that carries it, or in the world: R (3, 3) and p (3,) [m]."""
     if arm.base is None:

@@ -1,5 +1,7 @@
 """The base's columns of a motion, and how frame 0 moves by them."""
 
+from dataclasses import replace
+
 import numpy as np
 from scipy.interpolate import make_interp_spline
 
@@ -41,7 +43,7 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
     arm : Arm
     t : (n_sample,) [s]
     columns : (n_sample, 7) or None
-        As `protocol.tables.columns.BASE_ROLES`; without them the base stands, and gravity is in frame 0.
+        As `protocol.tables.columns.BASE_ROLES`; without them the base stands where [base] has it.
     where : str
         The file, for errors.
 
@@ -51,7 +53,8 @@ def base_state(arm: Arm, t: Floats, columns: Floats | None, where: str) -> BaseS
         If a quaternion is not of length one.
     """
     if columns is None:
-        return standing_base(len(t))
+        R, p = frame_0_poses(arm, None)
+        return replace(standing_base(len(t)), R=np.tile(R, (len(t), 1, 1)), p=np.tile(p, (len(t), 1)))
     length = np.linalg.norm(columns[:, 3:], axis=1)
     if np.any(np.abs(length - 1.0) > _LENGTH):
         row = int(np.argmax(np.abs(length - 1.0)))

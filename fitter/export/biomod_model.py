@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from arm.base_pose import is_carried
 from arm.model import Arm, Floats
-from fitter.export.placements import BASE, is_carried, link_name, placed_on, placements
+from fitter.export.placements import BASE, link_name, placed_on, placements
 
 
 def biomod_model(arm: Arm) -> str:

@@ -3,11 +3,10 @@
 import numpy as np
 from scipy.spatial.transform import Rotation
 
-from arm.base_pose import frame_0_poses
+from arm.base_pose import frame_0_poses, is_carried
 from arm.marker_positions import marker_positions
 from arm.model import Arm, Floats
 from fitter.export.osim_model import BASE_COORDINATES
-from fitter.export.placements import is_carried
 
 
 def coordinates_mot(arm: Arm, t: Floats, q: Floats, base: Floats | None) -> str:

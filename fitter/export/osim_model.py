@@ -5,8 +5,9 @@ from xml.etree import ElementTree
 import numpy as np
 from scipy.spatial.transform import Rotation
 
+from arm.base_pose import is_carried
 from arm.model import Arm, Floats
-from fitter.export.placements import BASE, is_carried, link_name, placed_on, placements
+from fitter.export.placements import BASE, link_name, placed_on, placements
 
 #: Coordinates of the joint that carries the base: turns about body-fixed x, y, z [rad], then shifts [m].
 BASE_COORDINATES = ("base_rx", "base_ry", "base_rz", "base_tx", "base_ty", "base_tz")

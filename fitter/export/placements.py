@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.base_pose import base_in_segment
+from arm.base_pose import base_in_segment, gravity_in_world
 from arm.effects.effect_table import changed
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
@@ -54,12 +54,9 @@ def placements(arm: Arm) -> Placements:
     inertia = np.array([_tensor(joint.link.inertia_kg_m2) for joint in arm.joints])
     square = np.einsum("ni,ni->n", centre, centre)[:, None, None] * np.eye(3)
     inertia = inertia - mass[:, None, None] * (square - np.einsum("ni,nj->nij", centre, centre))
-    gravity = np.array(arm.gravity_m_s2)
-    if arm.base is None or arm.base.segment is None:  # of a base that stands it is given in frame 0
-        gravity = frame_0[:3, :3] @ gravity
     parents = tuple(parent + 1 for parent in arm.parents)
     local = np.linalg.inv(frames[list(parents)]) @ frames[1:]
-    return Placements(frame_0, local, parents, mass, centre, inertia, gravity)
+    return Placements(frame_0, local, parents, mass, centre, inertia, gravity_in_world(arm))
 
 
 def placed_on(placed: Placements, i: int) -> tuple[str, Floats]:
@@ -71,11 +68,6 @@ def placed_on(placed: Placements, i: int) -> tuple[str, Floats]:
 def link_name(joint: int) -> str:
     """Return the name of a link by its joint, counted from 1; 0 is what carries the arm."""
     return f"link{joint}" if joint else BASE
-
-
-def is_carried(arm: Arm) -> bool:
-    """Whether a tracked segment carries the arm, so that its base has six coordinates of its own."""
-    return arm.base is not None and arm.base.segment is not None
 
 
 def _tensor(six: tuple[float, ...]) -> Floats:

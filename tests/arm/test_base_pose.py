@@ -7,7 +7,7 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from arm.arm_file import load_arm
-from arm.base_pose import base_in_segment, frame_0_poses
+from arm.base_pose import base_in_segment, frame_0_poses, gravity_in_world
 from arm.model import Base
 
 ARM = replace(load_arm("dd-arm"), base=Base((0.1, -0.2, 0.3), (0.4, -0.7, 1.2), "pelvis"))
@@ -40,3 +40,11 @@ def test_the_segments_pose_comes_first() -> None:
         both = segment @ own
         assert R[k] == pytest.approx(both[:3, :3])
         assert p[k] == pytest.approx(both[:3, 3])
+
+
+def test_gravity_is_in_frame_0_unless_a_segment_carries_the_arm() -> None:
+    np.testing.assert_array_equal(gravity_in_world(ARM), ARM.gravity_m_s2)
+    assert ARM.base is not None
+    turned = Rotation.from_euler("xyz", ARM.base.rotation_rad).apply(ARM.gravity_m_s2)
+    np.testing.assert_allclose(gravity_in_world(replace(ARM, base=replace(ARM.base, segment=None))), turned)
+    np.testing.assert_array_equal(gravity_in_world(replace(ARM, base=None)), ARM.gravity_m_s2)

@@ -81,10 +81,12 @@ def test_where_no_base_is_given_the_segment_is_frame_0():
     np.testing.assert_array_equal(state.p, place)
 
 
-def test_without_columns_the_base_stands(arm):
+def test_without_columns_the_base_stands_where_the_file_has_it(arm):
     state = base_state(arm, T, None, "run.csv")
-    np.testing.assert_array_equal(state.R, np.tile(np.eye(3), (len(T), 1, 1)))
-    for moved in (state.p, state.omega, state.omega_dot, state.acceleration):
+    turn = Rotation.from_euler("xyz", TURN).as_matrix()
+    np.testing.assert_allclose(state.R, np.tile(turn, (len(T), 1, 1)), rtol=0, atol=1e-12)
+    np.testing.assert_array_equal(state.p, np.tile(PLACE, (len(T), 1)))
+    for moved in (state.omega, state.omega_dot, state.acceleration):
         np.testing.assert_array_equal(moved, np.zeros((len(T), 3)))
 
 
