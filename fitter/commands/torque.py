@@ -8,6 +8,7 @@ from pathlib import Path
 import numpy as np
 from rich.progress import track as progress
 
+from arm.base_pose import gravity_in_world, is_carried
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.model import Arm, Floats
@@ -17,7 +18,8 @@ from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_o
 from fitter.data.base_columns import base_state, derivatives
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import TIP, Measured, read_motions, trial_column
-from fitter.data.plausibility.reference import look
+from fitter.data.plausibility.questions import questioned
+from fitter.data.resample import split_at_holes
 from fitter.ground.force_plausibility import far, light, pulling, unknown
 from fitter.ground.link_names import link_named, segments
 from limbcal.command import Document, console, say_notes, show
@@ -32,6 +34,8 @@ EXAMPLE = "fitter torque motion.csv --arm my-arm.toml --out torque.csv"
 #: Passes until effects that depend on the torque itself, such as friction under load, agree with it.
 _PASSES = 20
 _AGREED_N_M = 1e-10
+#: What a trial's torques are made of.
+_MOTION = ("q", "dq", "ddq", "base")
 
 
 def add_arguments(parser: argparse.ArgumentParser) -> None:
@@ -81,14 +85,16 @@ def torque(arguments: argparse.Namespace) -> Document:
     acting: list[dict[str, object]] = []
     for trial in trials:
         require_seconds(trial.t, trial.where)
-        look(trial, arm)
+    trials = questioned(map(_kinematic, trials), arm)
     for number, trial in enumerate(progress(trials, "torques", console=console, transient=True), 1):
         plates = read_wrenches(arguments.ground[number - 1]) if arguments.ground else []
         contacts = contacts_of(arguments.contact, plates, arm)
         notes += of_source(light(arm, plates), trial.name)
-        part, said = _torques(arm, trial, contacts, trial.number(number))
-        parts.append(part)
-        notes += of_source((*trial.notes, *said), trial.name)
+        pieces = split_at_holes(trial)
+        of_pieces = [_torques(arm, piece, contacts, trial.number(number)) for piece in pieces]
+        parts.append({name: np.concatenate([part[name] for part, _ in of_pieces]) for name in of_pieces[0][0]})
+        for piece, (_, said) in zip(pieces, of_pieces, strict=True):
+            notes += of_source((*piece.notes, *said), trial.name)
         acting += [{"trial": trial.name, "plate": p.name, "joint": j} for p, j in contacts]
     shared = [name for name in parts[0] if all(name in part for part in parts)]
     columns = {name: np.concatenate([part[name] for part in parts]) for name in shared}
@@ -154,6 +160,12 @@ def _masses(arm: Arm) -> list[Note]:
     return [Note("no_masses", text)]
 
 
+def _kinematic(trial: Measured) -> Measured:
+    """Return a trial with its motion only: what its torques and tip say of the arm is not asked here."""
+    columns = {role: values for role, values in trial.columns.items() if role in _MOTION}
+    return replace(trial, columns=columns)
+
+
 def _torques(
     arm: Arm, trial: Measured, contacts: Sequence[tuple[PlateWrench, int]], number: int
 ) -> tuple[dict[str, np.ndarray], list[Note]]:
@@ -166,6 +178,8 @@ def _torques(
     dq, ddq = _motion(trial)
     base_columns = trial.columns.get("base")
     base = base_state(arm, t, base_columns, trial.where)
+    if base_columns is None:
+        arm = replace(arm, gravity_m_s2=tuple(gravity_in_world(arm).tolist()))
     notes, wrenches = [], []
     for plate, joint in contacts:
         if plate.t[-1] < t[0] or plate.t[0] > t[-1]:
@@ -177,7 +191,7 @@ def _torques(
         notes += [*unknown(plate.name, t, force), *pulling(arm, plate.name, force)]
         notes += far(arm, q, base, plate.name, joint, force, point)
         wrenches.append(OuterWrench(joint, point, force, moment))
-    if base_columns is None and arm.base is not None and arm.base.segment is not None:
+    if base_columns is None and arm.base is not None and is_carried(arm):
         text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
         notes.append(Note("base_untracked", text))
     tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, number)

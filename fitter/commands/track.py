@@ -119,8 +119,8 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
     verdict = part.verdict
     if run.after_leap and (verdict.wrong or verdict.converged is False):
         say(
-            f"warning: {run.name}: it begins where time leapt, and the arm may have moved meanwhile: do not rely on "
-            "its angles; expected a recording of its own that begins at rest"
+            f"warning: {run.name}: it begins where time leapt, and the arm may have moved meanwhile: do not rely "
+            "on its angles; expected a recording of its own that begins at rest"
         )
     elif verdict.discrepancy_m_s2 is not None:
         rate = f" and {verdict.discrepancy_rad_s:.2g} rad/s" if verdict.discrepancy_rad_s else ""

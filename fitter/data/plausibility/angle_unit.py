@@ -25,8 +25,8 @@ from fitter.data.plausibility.magnitude import (
 )
 from fitter.data.plausibility.motion_sizes import (
     path_lengths,
+    rate_ratio,
     reach,
-    speed_ratio,
     top_speeds,
     torque_residual,
     turning,
@@ -34,7 +34,7 @@ from fitter.data.plausibility.motion_sizes import (
 from fitter.data.plausibility.refusal import Refusal
 
 _DEGREE = np.pi / 180.0
-#: A given velocity agrees with the slope of its angle within this factor.
+#: A given rate agrees with the slope of what it is of within this factor.
 _AGREES = 1.5
 #: A torque that is explained better than this, as a fraction of its power, is explained but for rounding.
 _ROUNDING = 1e-6
@@ -59,7 +59,7 @@ def look(motion: Measured, arm: Arm) -> Measured:
     joints = [j for j in np.flatnonzero(turns).tolist() if f"q{j + 1}" not in motion.stated]
     if not joints:
         return motion
-    _agree_with_velocities(motion, joints)
+    _agree_with_rates(motion, joints)
     q = motion.columns["q"]
     ranges, speeds = np.ptp(q, axis=0), top_speeds(motion.t, q)
     scales = {
@@ -93,21 +93,23 @@ def _readings(joints: Sequence[int]) -> list[Joints]:
     return [some for size in sorted({0, 1, n - 1, n}) for some in combinations(joints, size)]
 
 
-def _agree_with_velocities(motion: Measured, joints: Sequence[int]) -> None:
-    """Refuse a motion in which some joint's angle and velocity are a degree's factor apart."""
-    ratios = speed_ratio(motion)
-    if ratios is None:
-        return
-    for column, scale in (("q", 1.0 / _DEGREE), ("dq", _DEGREE)):
-        found = tuple(j for j in joints if 1.0 / _AGREES < ratios[j] * scale < _AGREES)
-        if found:
-            other = "dq" if column == "q" else "q"
+def _agree_with_rates(motion: Measured, joints: Sequence[int]) -> None:
+    """Refuse a motion in which a joint's angle, velocity and acceleration are a degree's factor apart."""
+    for of, rate in (("q", "dq"), ("dq", "ddq")):
+        ratios = rate_ratio(motion, of, rate)
+        if ratios is None:
+            continue
+        for column, scale in ((of, 1.0 / _DEGREE), (rate, _DEGREE)):
+            found = tuple(j for j in joints if 1.0 / _AGREES < abs(ratios[j]) * scale < _AGREES)
+            if not found:
+                continue
+            other = rate if column == of else of
             ratio = 1.0 / float(np.median(ratios[list(found)]))
             if len(found) == len(joints):
-                seen = f"the slope of q is {ratio:.4g} times dq: is {column} in degrees, {other} not?"
+                seen = f"the slope of {of} is {ratio:.4g} times {rate}: is {column} in degrees, {other} not?"
             else:
-                one = found[0] + 1
-                seen = f"the slope of q{one} is {ratio:.4g} times dq{one}: {_asked(column, found)} in degrees?"
+                one, asked = found[0] + 1, _asked(column, found)
+                seen = f"the slope of {of}{one} is {ratio:.4g} times {rate}{one}: {asked} in degrees?"
             raise _refusal(motion, column, seen, found, joints)
 
 

@@ -16,6 +16,8 @@ _ROWS = 400
 _INDEPENDENT = 0.5
 #: Top speeds are this quantile of all, so that a single jump is none.
 _TOP = 0.95
+#: Correlation beyond which a rate is that of a joint, whatever its unit and sign: two thirds of the variance.
+_ALIKE = 0.8
 
 
 def turning(arm: Arm) -> NDArray[np.bool_]:
@@ -56,18 +58,30 @@ def thinned(values: Floats) -> Floats:
     return np.asarray(values[: n * block].reshape(n, block, *values.shape[1:]).mean(axis=1), dtype=np.float64)
 
 
-def speed_ratio(motion: Measured) -> Floats | None:
-    """Return every joint's given velocity over the slope of its angle, (n_joint,): 1 where units agree.
+def rate_ratio(motion: Measured, of: str, rate: str) -> Floats | None:
+    """Return every joint's given rate over the slope of what it is of, (n_joint,): 1 where they agree.
 
-    Least squares through zero; NaN where a joint hardly moves or the two are not alike at all.
+    Least squares through zero; NaN where a joint hardly moves or the two are not alike at all. Below zero they
+    count opposite ways.
+
+    Parameters
+    ----------
+    motion : Measured
+    of, rate : str
+        Roles: ``q`` and ``dq``, or ``dq`` and ``ddq``.
+
+    Returns
+    -------
+    ndarray or None
+        None where the motion has not both.
     """
-    if "dq" not in motion.columns or len(motion.t) < 3:
+    if of not in motion.columns or rate not in motion.columns or len(motion.t) < 3:
         return None
-    given = motion.columns["dq"][1:-1]
-    t, q = motion.t, motion.columns["q"]
-    slope = (q[2:] - q[:-2]) / (t[2:] - t[:-2])[:, None]
+    given = motion.columns[rate][1:-1]
+    t, x = motion.t, motion.columns[of]
+    slope = (x[2:] - x[:-2]) / (t[2:] - t[:-2])[:, None]
     power, cross, own = np.sum(slope**2, axis=0), np.sum(slope * given, axis=0), np.sum(given**2, axis=0)
-    alike = cross > 0.8 * np.sqrt(power * own)
+    alike = np.abs(cross) > _ALIKE * np.sqrt(power * own)
     ok = (power > 0.0) & alike
     return np.where(ok, cross / np.where(ok, power, 1.0), np.nan)
 

@@ -7,6 +7,7 @@ from fitter.data.motions import Measured
 from fitter.data.plausibility import (
     angle_unit,
     frozen,
+    rate_sign,
     readings,
     repeats,
     saturated,
@@ -22,6 +23,7 @@ QUESTIONS: tuple[Callable[[Measured, Arm], Measured], ...] = (
     turns.look,
     time_unit.look,
     angle_unit.look,
+    rate_sign.look,
     tip_unit.look,
     torque_unit.look,
     readings.look,

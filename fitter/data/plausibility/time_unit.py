@@ -5,7 +5,7 @@ import numpy as np
 from arm.model import Arm
 from fitter.data.motions import Measured
 from fitter.data.plausibility.magnitude import JOINT_SPEED, RATE_HZ, SLIDE_SPEED, likely
-from fitter.data.plausibility.motion_sizes import speed_ratio, top_speeds, turning
+from fitter.data.plausibility.motion_sizes import rate_ratio, top_speeds, turning
 from fitter.data.plausibility.refusal import Refusal
 
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
@@ -25,9 +25,9 @@ def look(motion: Measured, arm: Arm) -> Measured:
     if "t" in motion.stated or len(motion.t) < 3 or "q" not in motion.columns:
         return motion
     step_s = float(np.median(np.diff(motion.t)))
-    ratios = speed_ratio(motion)
+    ratios = rate_ratio(motion, "q", "dq")
     if ratios is not None and np.isfinite(ratios).any():
-        ratio = float(np.nanmedian(ratios))
+        ratio = float(np.nanmedian(np.abs(ratios)))
         for unit, scale in _UNITS.items():
             if unit != "s" and 1.0 / _AGREES < ratio * scale < _AGREES:
                 raise _refusal(motion, unit, f"dq is {ratio:.4g} times the slope of q over t")

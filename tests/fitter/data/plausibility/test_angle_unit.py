@@ -84,6 +84,15 @@ def test_the_velocity_of_one_joint_of_another_unit_is_named(arm, clean, column):
         look(changed(motion, **{column: values}), arm)
 
 
+def test_accelerations_in_degrees_are_refused(arm, clean):
+    motion = clean(1)
+    dq = np.gradient(motion.columns["q"], motion.t, axis=0)
+    ddq = np.gradient(dq, motion.t, axis=0)
+    assert look(changed(motion, dq=dq, ddq=ddq), arm).columns["ddq"] is ddq
+    with pytest.raises(Refusal, match=r"is ddq in degrees, dq not\?.*ddq=ddq\{j\}:deg"):
+        look(changed(motion, dq=dq, ddq=np.rad2deg(ddq)), arm)
+
+
 def test_of_six_joints_one_is_named(draw_six):
     arm, motion = draw_six
     assert look(motion, arm) is motion

@@ -14,8 +14,8 @@ from fitter.data.plausibility.motion_sizes import (
     continuous,
     drawn_torque,
     path_lengths,
+    rate_ratio,
     reach,
-    speed_ratio,
     thinned,
     top_speeds,
     torque_residual,
@@ -88,7 +88,7 @@ def test_a_velocity_is_compared_with_its_angle_s_slope() -> None:
     rng = np.random.default_rng(3)
     q = np.column_stack([np.sin(t), np.cos(2.0 * t), np.sin(t), np.full(len(t), 0.3)])
     dq = np.column_stack([np.cos(t), -2.0 * np.sin(2.0 * t) / DEGREE, rng.normal(size=len(t)), np.cos(t)])
-    found = speed_ratio(motion_of(t, q=q, dq=dq))
+    found = rate_ratio(motion_of(t, q=q, dq=dq), "q", "dq")
     assert found is not None
     assert found[:2] == pytest.approx([1.0, 1.0 / DEGREE], rel=1e-4)
     assert np.isnan(found[2:]).all()
@@ -97,9 +97,10 @@ def test_a_velocity_is_compared_with_its_angle_s_slope() -> None:
 def test_without_a_velocity_or_with_two_rows_nothing_is_compared() -> None:
     t = np.arange(0.0, 3.0, 0.1)
     q = np.sin(t)[:, None]
-    assert speed_ratio(motion_of(t, q=q)) is None
-    assert speed_ratio(motion_of(t[:2], q=q[:2], dq=q[:2])) is None
-    assert speed_ratio(motion_of(t[:3], q=q[:3], dq=np.gradient(q[:3], 0.1, axis=0))) == pytest.approx([1.0])
+    assert rate_ratio(motion_of(t, q=q), "q", "dq") is None
+    assert rate_ratio(motion_of(t[:2], q=q[:2], dq=q[:2]), "q", "dq") is None
+    three = motion_of(t[:3], q=q[:3], dq=np.gradient(q[:3], 0.1, axis=0))
+    assert rate_ratio(three, "q", "dq") == pytest.approx([1.0])
 
 
 def test_the_right_unit_explains_the_torque(arm: Arm, clean) -> None:
@@ -180,6 +181,6 @@ def test_top_speeds_are_those_over_a_four_hundredth_of_the_table(rows: int, coar
 def test_a_joint_that_stands_has_no_speed_to_compare() -> None:
     t = np.arange(0.0, 1.0, 0.1)
     still = np.column_stack([np.ones(10), t])
-    found = speed_ratio(motion_of(t, q=still, dq=np.column_stack([np.zeros(10), 3.0 * np.ones(10)])))
+    found = rate_ratio(motion_of(t, q=still, dq=np.column_stack([np.zeros(10), 3.0 * np.ones(10)])), "q", "dq")
     assert found is not None
     assert np.isnan(found[0]) and found[1] == pytest.approx(3.0)
