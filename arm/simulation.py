@@ -21,6 +21,7 @@ from arm.drive import Commands
 from arm.drive_state import KA, DriveState, unchanging
 from arm.effects.effect_table import DELAY, changed, effect_table
 from arm.integration import effect_steps
+from arm.kinematics import tip_position
 from arm.model import Arm, Control, Floats
 from arm.printed_scheme import paper_steps
 from arm.room import make_room
@@ -41,6 +42,11 @@ class Motion:
     tau: Floats
     ref: Floats
 
+    @property
+    def of_links(self) -> tuple[Floats, Floats, Floats]:
+        """Angle, velocity and acceleration of the links: the motors', where no transmission gives way."""
+        return self.q, self.dq, self.ddq
+
 
 @dataclass(frozen=True)
 class GearedMotion(Motion):
@@ -49,6 +55,16 @@ class GearedMotion(Motion):
     link_q: Floats
     link_dq: Floats
     link_ddq: Floats
+
+    @property
+    def of_links(self) -> tuple[Floats, Floats, Floats]:
+        """Angle, velocity and acceleration of the links."""
+        return self.link_q, self.link_dq, self.link_ddq
+
+
+def tip_of(arm: Arm, motion: Motion) -> Floats:
+    """Return where the tip was in a simulation of an arm, (n_sample, 3) [m], by its effects and its links."""
+    return tip_position(changed(arm), motion.of_links[0])
 
 
 def simulate(

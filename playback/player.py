@@ -5,6 +5,7 @@ from collections import deque
 import numpy as np
 
 from arm.arm_file import format_arm
+from arm.effects.effect_table import changed
 from arm.kinematics import sensor_positions, tip_position
 from arm.model import Arm
 from playback.control_message import Request
@@ -177,12 +178,12 @@ class Player:
         n_frame = int(self._motion.duration_s * self.head.rate_hz) + 1
         t = np.linspace(0.0, self._motion.duration_s, min(max(n_frame, 2), _OVERVIEW))
         q = self._motion.at(t)[0]
-        overview: dict[str, object] = {"t": t, "q": q, "tip": tip_position(self.arm, q)}
+        overview: dict[str, object] = {"t": t, "q": q, "tip": tip_position(changed(self.arm), q)}
         if self._twin is None:
             return {**overview, "twin_q": None, "twin_tip": None}
         twin, motion = self._twin
         q = motion.at(t)[0]
-        return {**overview, "twin_q": q, "twin_tip": tip_position(twin.arm, q)}
+        return {**overview, "twin_q": q, "twin_tip": tip_position(changed(twin.arm), q)}
 
     def _compute(self, places: Floats) -> None:
         self._ahead = deque(zip(places.tolist(), self._frames(places), strict=True))
@@ -222,4 +223,5 @@ class Player:
 
 def _moved(arm: Arm, motion: Trajectory, places: Floats) -> dict[str, Floats]:
     q, dq, ddq = motion.at(places)
+    arm = changed(arm)
     return {"q": q, "dq": dq, "ddq": ddq, "tip": tip_position(arm, q), "points": sensor_positions(arm, q)}

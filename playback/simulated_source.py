@@ -71,7 +71,7 @@ def simulated(arm: Arm, signals: Signals, dt_s: float) -> Trajectory:
     if not np.isfinite(motion.q).all():
         raise DataError(f"it runs away to infinity: {why_it_runs_away(arm)}")
     t = np.linspace(0.0, signals["t"][-1], len(signals["t"]))  # what was simulated, not what was printed
-    return Trajectory(t, motion.q, motion.dq, motion.ddq, method="simulate")
+    return Trajectory(t, *motion.of_links, method="simulate")
 
 
 def even_step(t: Floats, where: str) -> float:

@@ -6,7 +6,7 @@ from numpy.typing import NDArray
 from arm.counts import COUNT_RAD_S
 from arm.gyroscope import angular_velocity
 from arm.model import Arm
-from arm.simulation import GearedMotion, Motion
+from arm.simulation import Motion
 
 #: White noise of a sample and offset of an axis, rms [rad/s]: half a degree a second each, a chip's at some kHz.
 NOISE_RAD_S, BIAS_RAD_S = 0.01, 0.01
@@ -40,8 +40,7 @@ class Gyroscopes:
         (n_sample, 3 * n_gyroscope)
             Multiply by `COUNT_RAD_S` for rad/s.
         """
-        links = (motion.link_q, motion.link_dq) if isinstance(motion, GearedMotion) else (motion.q, motion.dq)
-        w = angular_velocity(self._arm, *links).reshape(len(motion.q), -1)
+        w = angular_velocity(self._arm, *motion.of_links[:2]).reshape(len(motion.q), -1)
         w = self._scale * w + self._bias + self._noise * NOISE_RAD_S * self._rng.standard_normal(w.shape)
         counts: NDArray[np.int16] = np.clip(np.rint(w / COUNT_RAD_S), -32768, 32767).astype(np.int16)
         return counts

@@ -7,9 +7,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.bench import Bench, Sensors, densify, draw_sensor_errors, motions, rest_angles
-from arm.kinematics import tip_position
 from arm.model import Arm
-from arm.simulation import Motion, simulate
+from arm.simulation import Motion, simulate, tip_of
 from daemon.virtual_device.bench_plan import BenchPlan, Stretch
 from daemon.virtual_device.gyroscopes import Gyroscopes
 
@@ -75,7 +74,7 @@ def _rest(arm: Arm, bench: Bench, before: Motion | None) -> Motion:
 def _stretch(plan: BenchPlan, counts: NDArray[np.int16], motion: Motion, trial: int, sample0: int) -> Stretch:
     stride = truth_stride(plan.rate_hz)
     rows = np.arange(-sample0 % stride, len(motion.q), stride)
-    tip = tip_position(plan.arm, motion.q[rows])
+    tip = tip_of(plan.arm, motion)[rows]
     truth = {"t": (sample0 + rows) / plan.rate_hz, "trial": np.full(len(rows), float(trial))}
     for name, values in (("q", motion.q), ("dq", motion.dq), ("ddq", motion.ddq), ("ref", motion.ref)):
         truth |= {f"{name}{j + 1}": values[rows, j] for j in range(values.shape[1])}

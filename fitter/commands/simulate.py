@@ -6,10 +6,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.kinematics import tip_position
 from arm.model import Arm, Floats
 from arm.possible import why_it_runs_away
-from arm.simulation import Motion, simulate
+from arm.simulation import Motion, simulate, tip_of
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
 from fitter.data.drives import drives_of
@@ -72,7 +71,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
         place = float(measured.t[0]), measured.number(number)
-        motion = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
+        motion, tip = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
             raise DataError(f"{measured.name}: the simulation runs away to infinity: {why_it_runs_away(arm)}")
         columns = {name: getattr(motion, name) for name in ("q", "dq", "ddq", "tau", "ref")}
@@ -80,7 +79,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
             {
                 "t": motion.t + measured.t[0],
                 **columns,
-                "tip": tip_position(arm, motion.q),
+                "tip": tip,
                 "trial": np.full(len(motion.t), labels[number - 1]),
             }
         )
@@ -110,8 +109,8 @@ def _start(measured: Measured, arm: Arm) -> Floats:
 
 def _simulated(
     arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str, t0_s: float, number: int
-) -> Motion:
-    """Simulate with steps that are short enough, and give back the file's own samples."""
+) -> tuple[Motion, Floats]:
+    """Simulate with steps that are short enough, and give back the file's own samples and where the tip was."""
     parts = max(1, int(np.ceil(dt_s / _LONGEST_STEP_S - 1e-9)))
     n = len(trial.t)
     held = np.repeat(np.arange(n), parts)
@@ -134,4 +133,5 @@ def _simulated(
         number,
         None if drives is None else drives.rows(held),
     )
-    return Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))
+    own = Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))
+    return own, tip_of(arm, motion)[::parts]

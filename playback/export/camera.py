@@ -62,7 +62,7 @@ def look_at(movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -
     places = [base @ axes.T]
     for mover in movers:
         every = max(1, len(mover.q) // LOOKS)
-        poses = link_poses(mover.arm, mover.q[::every])
+        poses = link_poses(mover.posed, mover.q[::every])
         for i, mesh in enumerate(link_meshes(mover.arm)):
             corners = _box_corners(mesh.vertices)
             at = np.einsum("nij,kj->nki", poses[:, i, :3, :3], corners) + poses[:, i, None, :3, 3]

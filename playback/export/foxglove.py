@@ -93,7 +93,7 @@ class _Tree:
     def __init__(self, mover: Mover, prefix: str) -> None:
         self.mover, self.prefix = mover, prefix
         self._frames = [f"{prefix}base", *(f"{prefix}joint {i + 1}" for i in range(mover.arm.n_joint))]
-        local = local_frames(mover.arm, mover.q)
+        local = local_frames(mover.posed, mover.q)
         self._places = local[..., :3, 3]
         self._turns = np.stack([quaternions(local[:, i, :3, :3]) for i in range(mover.arm.n_joint)], axis=1)
         self._upright = quaternion_between(upward(mover.arm), np.array([0.0, 0.0, 1.0]))

@@ -72,7 +72,7 @@ class _Document:
             self._material(f"{name}{suffix}", rgb, opacity)
             for name, rgb in (("link", colours.link), ("base", colours.base), ("sensor", colours.sensor))
         )
-        arm, local = mover.arm, local_frames(mover.arm, mover.q)
+        arm, local = mover.arm, local_frames(mover.posed, mover.q)
         tip = self._node(f"tip{suffix}", translation=np.array([arm.joints[-1].a_m, 0.0, 0.0]))
         children: dict[int, list[int]] = {i: [] for i in range(-1, arm.n_joint)}  # of the base and of every link
         children[arm.n_joint - 1].append(tip)

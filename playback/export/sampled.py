@@ -6,6 +6,7 @@ from functools import cached_property
 
 import numpy as np
 
+from arm.effects.effect_table import changed
 from arm.kinematics import sensor_positions, tip_position
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
@@ -40,14 +41,19 @@ class Mover:
     colours: Colours
 
     @cached_property
+    def posed(self) -> Arm:
+        """The arm with those effects that are other numbers of it: what stands where ``q`` says."""
+        return changed(self.arm)
+
+    @cached_property
     def tip(self) -> Floats:
         """Position of the tip, (n, 3) [m]."""
-        return tip_position(self.arm, self.q)
+        return tip_position(self.posed, self.q)
 
     @cached_property
     def points(self) -> Floats:
         """Positions of the sensors, (n, n_sensor, 3) [m]."""
-        return sensor_positions(self.arm, self.q)
+        return sensor_positions(self.posed, self.q)
 
 
 @dataclass(frozen=True)

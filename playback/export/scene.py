@@ -50,7 +50,7 @@ class Scene:
     def __init__(self, movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -> None:
         self._movers = movers
         self._camera = look_at(movers, FINER * width, FINER * height, FINER * head)
-        self._poses = [link_poses(mover.arm, mover.q) for mover in movers]
+        self._poses = [link_poses(mover.posed, mover.q) for mover in movers]
         self._parts = [_parts(mover, k == 0) for k, mover in enumerate(movers)]
         self._tips = [self._camera.project(mover.tip)[:, :2] for mover in movers]
         self.grid_m = _round_length(0.25 * reach_m(movers[0].arm))

@@ -4,6 +4,7 @@ import numpy as np
 import viser
 from viser.transforms import SO3
 
+from arm.effects.effect_table import changed
 from arm.model import Arm
 from playback.shape import Colours, Mesh, base_mesh, link_meshes, link_poses, reach_m, sensor_mesh
 from playback.trajectory import Floats
@@ -29,7 +30,7 @@ class Figure:
     def __init__(
         self, server: viser.ViserServer, root: str, arm: Arm, colours: Colours, opacity: float | None = None
     ) -> None:
-        self.arm = arm
+        self.arm, self._posed = arm, changed(arm)
         self._scene, self._opacity = server.scene, opacity
         reach = reach_m(arm)
         self._root = server.scene.add_frame(root, show_axes=False)
@@ -75,7 +76,7 @@ class Figure:
 
     def show(self, q: Floats) -> None:
         """Move the arm to joint values, (n_joint,) [rad or m]."""
-        poses = link_poses(self.arm, q[None])[0]
+        poses = link_poses(self._posed, q[None])[0]
         for link, pose, wxyz in zip(self._links, poses, SO3.from_matrix(poses[:, :3, :3]).wxyz, strict=True):
             link.position = pose[:3, 3]
             link.wxyz = wxyz

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from arm.arm_file import format_arm
 from arm.kinematics import sensor_positions, tip_position
+from arm.model import Effect
 from limbcal.errors import ConfigError
 from playback.control_message import Request
 from playback.export.sampled import sample
@@ -49,6 +50,17 @@ def test_every_frame_comes_once_with_the_time_it_was_due_whatever_the_hold_ups(
     assert [frame["t0_ns"] - 10**18 for frame in frames] == [round(k * 1e9 / rate_hz) for k in range(len(frames))]
     assert not player.playing
     assert player.finished == 1
+
+
+def test_a_tip_is_that_of_an_arm_whose_zero_is_off(source: Source, fake_time: Any) -> None:
+    off = replace(source.arm, effects=(Effect("joint_zero", {"offset_rad": 0.3}, (2,)),))
+    player = Player(replace(source, arm=off), 80.0, fake_time.clocks, 1)
+    player.play()
+    (frame,) = drain(player)
+    assert frame["tip"] == pytest.approx(tip_position(source.arm, frame["q"] + [0.0, 0.3]))
+    assert frame["points"] == pytest.approx(sensor_positions(source.arm, frame["q"] + [0.0, 0.3]))
+    overview: Any = player.carry_out(Request("motion", None))["motion"]
+    assert overview["tip"] == pytest.approx(tip_position(source.arm, overview["q"] + [0.0, 0.3]))
 
 
 def test_a_frame_says_what_the_trajectory_and_the_arm_say(source: Source, fake_time: Any) -> None:

@@ -6,8 +6,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from arm.model import Arm, Control
-from arm.simulation import simulate
+from arm.model import Arm, Control, Effect
+from arm.simulation import GearedMotion, simulate
 from limbcal.errors import ConfigError, DataError
 from playback.simulated_source import simulated_source
 
@@ -28,6 +28,14 @@ def reference(tmp_path: Path) -> Path:
 
 def targets(trial: int) -> np.ndarray:
     return np.outer(np.arange(501) > 100, [0.1 * trial, -0.2])
+
+
+def test_it_plays_the_links_of_an_arm_that_twists(reference: Path, arm: Arm) -> None:
+    spring = Effect("joint_elasticity", {"stiffness_N_m_rad": 20.0, "damping_N_m_s": 0.5}, (2,))
+    twisting = replace(arm, control=replace(arm.control, law="pd"), effects=(spring,))
+    known = simulate(twisting, targets(4), DT_S, np.zeros(2))
+    assert isinstance(known, GearedMotion) and np.abs(known.q - known.link_q).max() > 1e-3
+    np.testing.assert_array_equal(simulated_source(reference, twisting).load(4).q, known.link_q)
 
 
 def test_it_plays_what_the_simulation_gives(reference: Path, arm: Arm) -> None:

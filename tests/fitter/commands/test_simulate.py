@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.arm_file import save_arm
-from arm.model import Control
+from arm.arm_file import load_arm, save_arm
+from arm.kinematics import tip_position
+from arm.model import Control, Effect
 from fitter.data.motion_file import write_motion
 from fitter.data.trials import load_trials
 
@@ -112,3 +113,12 @@ def test_an_arm_that_runs_away_is_not_written(fitter, short_run, tmp_path):
     outcome = fitter("simulate", "--arm", tmp_path / "arm.toml", "--reference", reference, "--out", out)
     assert outcome.code == 2 and "the simulation runs away to infinity" in outcome.errors[0]
     assert not out.exists()
+
+
+def test_the_tip_is_the_arms_whose_zero_is_off(fitter, reference, tmp_path):
+    arm = load_arm("dd-arm")
+    save_arm(replace(arm, effects=(Effect("joint_zero", {"offset_rad": 0.3}, (2,)),)), tmp_path / "arm.toml")
+    out = tmp_path / "m.npz"
+    assert fitter("simulate", "--arm", tmp_path / "arm.toml", "--reference", reference, "--out", out).code == 0
+    tip = np.column_stack([np.load(out)[f"tip{axis}"] for axis in "xyz"])
+    np.testing.assert_allclose(tip, tip_position(arm, angles(out) + [0.0, 0.3]), rtol=0, atol=1e-12)
