@@ -105,7 +105,9 @@ def torque(arguments: argparse.Namespace) -> Document:
     say_notes(notes)
     rms = np.sqrt(np.nanmean(columns["tau"] ** 2, axis=0))
     show(f"{len(parts)} trial(s), {len(columns['t'])} samples -> {arguments.out}")
-    show("torque rms a joint [N m]: " + ", ".join(f"{value:.3g}" for value in rms))
+    units = ["N m" if joint.type == "revolute" else "N" for joint in arm.joints]
+    each = zip(rms, units, strict=True)
+    show("rms of what drives each joint: " + ", ".join(f"{value:.3g} {unit}" for value, unit in each))
     return {
         "out": str(arguments.out),
         "trials": len(parts),

@@ -111,7 +111,7 @@ def track(arguments: argparse.Namespace) -> Document:
     show(f"{document['frames']} frames in {document['trials']} trial(s) -> {arguments.out}")
     for run, part in zip(runs, tracked, strict=True):
         _warn(run, arm, part)
-    return document | _against_truth(tracked)
+    return document | _against_truth(tracked, arm)
 
 
 def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
@@ -157,7 +157,7 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
         )
 
 
-def _against_truth(tracked: list[Tracked]) -> dict[str, object]:
+def _against_truth(tracked: list[Tracked], arm: Arm) -> dict[str, object]:
     """Say how far the angles are from the true ones, and whether by no more than they claim."""
     errors = [part.error_deg for part in tracked if part.error_deg is not None]
     if not errors:
@@ -166,8 +166,10 @@ def _against_truth(tracked: list[Tracked]) -> dict[str, object]:
     found: dict[str, object] = {
         "angle_error_deg": {"mean": per_joint(error.mean(axis=0)), "max": per_joint(error.max(axis=0))}
     }
-    said = ", ".join(f"{mean:.3g} / {top:.3g}" for mean, top in zip(error.mean(0), error.max(0), strict=True))
-    show(f"error against the true angles, mean / max a joint [deg]: {said}")
+    units = ["deg" if joint.type == "revolute" else "mm" for joint in arm.joints]
+    each = zip(error.mean(0), error.max(0), units, strict=True)
+    said = ", ".join(f"{mean:.3g} / {top:.3g} {unit}" for mean, top, unit in each)
+    show(f"error against the true angles, mean / max a joint: {said}")
     claims = [part.within_3_std for part in tracked if part.within_3_std is not None]
     if claims:
         share = np.concatenate(claims).mean(axis=0)
@@ -177,7 +179,7 @@ def _against_truth(tracked: list[Tracked]) -> dict[str, object]:
 
 
 def _joined(tracked: list[Tracked]) -> dict[str, NDArray[np.generic]]:
-    """Lay runs one after the other; their trials keep apart."""
+    """Lay runs one after the other; where two runs call a trial alike, all say of which run theirs are."""
     if len(tracked) == 1:
         return tracked[0].columns
     tables = [part.columns for part in tracked]
@@ -185,6 +187,9 @@ def _joined(tracked: list[Tracked]) -> dict[str, NDArray[np.generic]]:
         tables = [{"gap": np.zeros(len(table["t"]), dtype=np.int64), **table} for table in tables]
     shared = [name for name in tracked[0].columns | tables[0] if all(name in table for table in tables)]
     joined = {name: np.concatenate([table[name] for table in tables]) for name in shared}
-    labels = [[f"{k + 1}.{label}" for label in table["trial"]] for k, table in enumerate(tables)]
-    joined["trial"] = np.concatenate([np.array(part, dtype=np.str_) for part in labels])
+    labels = [table["trial"].astype(np.str_) for table in tables]
+    own = [set(part.tolist()) for part in labels]
+    if sum(map(len, own)) > len(set.union(*own)):
+        labels = [np.array([f"{k}.{label}" for label in part]) for k, part in enumerate(labels, 1)]
+    joined["trial"] = np.concatenate(labels)
     return joined

@@ -6,6 +6,7 @@ from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.interpolate import CubicSpline
 
 from arm.kinematics import tip_position
 from arm.model import Arm
@@ -27,6 +28,8 @@ Method = Literal["integrate", "filter", "smooth"]
 #: Of a recording so much shows whether it begins at rest [s]: that is asked of a quarter of a second, besides what
 #: decimation needs.
 _LOOKED_AT_S = 2.0 * WINDOW_S
+#: True samples further apart than so many steps do not tell what lies between them.
+_HOLE_SAMPLES = 1.5
 #: An angle is held to be within so many of its own standard deviations.
 _SIGMAS = 3.0
 
@@ -44,10 +47,10 @@ class Tracked:
         angles are known by their own claim, and gap, 1 where samples were lost and the frame was predicted.
     verdict : Verdict
         What the tracker says of itself.
-    error_deg : ndarray of shape (n, n_joint), or None
-        How far each angle is from the true one, where the readings come with it: degrees, or mm for a sliding
-        joint.
-    within_3_std : ndarray of bool, shape (n, n_joint), or None
+    error_deg : ndarray of shape (n_scored, n_joint), or None
+        How far each angle is from the true one in the frames beside whose times true angles are known: degrees, or
+        mm for a sliding joint. None where there are none.
+    within_3_std : ndarray of bool, shape (n_scored, n_joint), or None
         Whether that is at most three of its standard deviations, where the tracker claims any.
     notes : tuple of Note
         What there is to say about how the recording begins.
@@ -118,11 +121,13 @@ def track_run(
     if run.ref is not None:
         columns["ref"] = run.ref[row]
     columns["trial"] = run.trial[row] if run.trial is not None else trials_of(t, motion.phases)
-    if run.q is None:
+    true = true_angles(run, t)
+    known = np.zeros(len(t), dtype=np.bool_) if true is None else np.isfinite(true).all(axis=1)
+    if true is None or not known.any():
         return Tracked(columns, motion.verdict, None, None, notes)
-    error = np.abs(q - np.column_stack([np.interp(t, run.t, run.q[:, j]) for j in range(arm.n_joint)]))
+    error = np.abs(q - true)[known]
     unit = np.array([180.0 / np.pi if joint.type == "revolute" else 1e3 for joint in arm.joints])
-    within = None if q_std is None else error <= _SIGMAS * q_std
+    within = None if q_std is None else error <= _SIGMAS * q_std[known]
     return Tracked(columns, motion.verdict, error * unit, within, notes)
 
 
@@ -144,6 +149,24 @@ def beginning(run: RawRun, frame_rate_hz: float, method: Method) -> tuple[Note, 
     else:
         text += f"--method {method} begins at rest, do not rely on its angles; expected --method smooth, or a rest"
     return (Note("moving", text, from_s=float(run.t[0])),)
+
+
+def true_angles(run: RawRun, t: Floats) -> Floats | None:
+    """Return the true angles at some times (n,), those of cubic splines: (n, n_joint); None where none are known.
+
+    Where the samples beside a time are not there, its row is NaN: what was lost is not drawn through.
+    """
+    if run.q is None:
+        return None
+    there = np.isfinite(run.q).all(axis=1)
+    clock, q = run.t[there], run.q[there]
+    holes = np.flatnonzero(np.diff(clock) > _HOLE_SAMPLES / run.rate_hz) + 1
+    true, half = np.full((len(t), q.shape[1]), np.nan), 0.5 / run.rate_hz
+    for own, values in zip(np.split(clock, holes), np.split(q, holes), strict=True):
+        if len(own) > 1:
+            inside = (t >= own[0] - half) & (t <= own[-1] + half)
+            true[inside] = CubicSpline(own, values)(t[inside])
+    return true
 
 
 def trials_of(t: Floats, phases: list[Phase]) -> NDArray[np.int64]:

@@ -109,3 +109,11 @@ def test_what_contradicts_itself_is_put_right_and_noted(fitter, tmp_path, kept, 
 def test_velocities_in_degrees_are_refused(fitter, tmp_path):
     outcome, *_ = needed(fitter, tmp_path, dq=lambda _, t: np.rad2deg(2.0 * np.cos(4.0 * t)))
     assert outcome.code != 0 and "is dq in degrees" in outcome.said
+
+
+def test_a_sliding_joint_is_driven_by_newtons(fitter, tmp_path):
+    lift = Arm("lift", (Joint("prismatic", link=ONE.joints[0].link), ONE.joints[0]))
+    save_arm(lift, tmp_path / "lift.toml")
+    write_motion(tmp_path / "m.csv", {"t": 0.01 * np.arange(50), "q": np.zeros((50, 2))})
+    options = ("--arm", tmp_path / "lift.toml", "--out", tmp_path / "o.csv")
+    assert "39.2 N, 0 N m" in fitter("torque", tmp_path / "m.csv", *options).said

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import save_arm
+from arm.model import Arm, Joint, Sensor
 from fitter.__main__ import main
 from fitter.data.motion_file import write_motion
 from fitter.data.trials import load_trials
@@ -157,6 +158,27 @@ def test_several_runs_become_one_file_whose_trials_keep_apart(fitter, two_second
     outcome = fitter("track", longer, two_seconds, *common, "--out", out)
     assert outcome.code == 0 and outcome.document["trials"] == 3
     assert [trial.name for trial in load_trials([out], 2)] == [f"motion/{k}" for k in ("1.1", "1.2", "2.1")]
+
+
+def test_labels_of_several_runs_stay_where_they_differ(fitter, short_run, tmp_path):
+    columns = {name: values[:2000] for name, values in short_run.raw_columns().items()}
+    paths = [tmp_path / f"{label}.npz" for label in ("á", "b")]
+    for path in paths:
+        write_motion(path, columns | {"trial": np.full(2000, path.stem)})
+    common = ("--arm", "dd-arm", "--frame-rate-hz", "50", "--method", "integrate", "--out", tmp_path / "m.npz")
+    for given, labels in ((paths, ["b", "á"]), (paths[:1] * 2, ["1.á", "2.á"])):
+        assert fitter("track", *given, *common).code == 0
+        assert np.unique(np.load(tmp_path / "m.npz")["trial"]).tolist() == labels
+
+
+def test_a_sliding_joint_is_off_by_millimetres(fitter, tmp_path):
+    sensors = tuple(Sensor(f"s{k}", k, (0.1, 0.0, 0.0)) for k in (1, 2))
+    save_arm(Arm("rail", (Joint("prismatic"), Joint(a_m=0.2)), sensors=sensors), tmp_path / "rail.toml")
+    rest = {f"s{k}{axis}": np.full(400, 9.80665 * (axis == "z")) for k in (1, 2) for axis in "xyz"}
+    true = {"q1": np.full(400, 0.003), "q2": np.full(400, np.deg2rad(2.0))}
+    write_motion(tmp_path / "raw.csv", {"t": 0.01 * np.arange(400), **rest, **true})
+    common = ("--arm", tmp_path / "rail.toml", "--method", "integrate", "--out", tmp_path / "m.csv")
+    assert "mean / max a joint: 3 / 3 mm, 2 / 2 deg" in fitter("track", tmp_path / "raw.csv", *common).said
 
 
 def test_lost_samples_are_counted_and_said(fitter, short_run, tmp_path):

@@ -11,7 +11,7 @@ from arm.gyroscope import angular_velocity
 from arm.kinematics import tip_position
 from fitter.data.gaps import Gap
 from fitter.data.raw import RawRun
-from fitter.sensing.track import track_run, trials_of
+from fitter.sensing.track import track_run, trials_of, true_angles
 from fitter.sensing.verdict import Verdict
 from limbcal.errors import ConfigError
 from tracking.model.frames import Phase
@@ -54,6 +54,20 @@ def test_errors_are_those_against_the_true_angles(tracked, run):
     assert tracked.error_deg.shape == (tracked.frames, 2)
     expected = np.rad2deg(np.abs(tracked.columns["q"] - truth_at(tracked.columns["t"], run.t, run.q)))
     assert np.allclose(tracked.error_deg, expected)
+
+
+def test_nothing_is_scored_where_truth_is_lost() -> None:
+    """Over a hole of a quarter of a period a straight line would be off by 0.2."""
+    t = 0.01 * np.arange(400)
+    there = np.r_[:157, 210:400]
+    angle = np.sin(2.0 * np.pi * t)[:, None]
+    run = RawRun("torn", 100.0, t[there], np.zeros((len(there), 3)), (Gap(157, 53),), q=angle[there])
+    at = t[:-1] + 0.004
+    true = true_angles(run, at)
+    assert true is not None
+    assert np.array_equal(np.isnan(true[:, 0]), (at > 1.565) & (at < 2.095))
+    assert np.nanmax(np.abs(true[:, 0] - np.sin(2.0 * np.pi * at))) < 1e-5
+    assert true_angles(replace(run, q=None), at) is None
 
 
 @pytest.mark.parametrize(("method", "said"), [("smooth", "what follows"), ("integrate", "--method smooth")])
