@@ -29,11 +29,8 @@ def contradictions(raw: Mapping[str, Any], where: str) -> list[str]:
         match joint.get("limits"):
             case [int() | float() as least, int() | float() as most] if not least < most:
                 sentences.append(f"{where}: joint[{k}].limits is {[least, most]}, expected the least one first")
-    tip, known = raw.get("tip"), [name for name in names if isinstance(name, str)]
-    if isinstance(tip, dict) and isinstance(tip.get("sensor"), str) and tip["sensor"] not in known:
-        sentences.append(
-            f"{where}: tip.sensor is {tip['sensor']!r}, expected one of {', '.join(known) or 'no sensor'}"
-        )
+    known = [name for name in names if isinstance(name, str)]
+    sentences += _of_tip(raw.get("tip"), sensors, known, n_joint, where)
     sentences += [f"{where}: {one}" for one in mistakes_of_covariance(raw.get("sensor_covariance"), known)]
     effects = _tables(raw.get("effect"))
     markers = [name for one in _tables(raw.get("marker")) if isinstance(name := one.get("name"), str)]
@@ -65,6 +62,22 @@ def _channels(sensors: list[dict[str, Any]], where: str) -> list[str]:
         if isinstance(sensor.get("gyroscope"), dict) and isinstance(names[other], str)
         for k, name in enumerate(names)
         if name == f"{names[other]}g"
+    ]
+
+
+def _of_tip(tip: object, sensors: list[dict[str, Any]], known: list[str], n_joint: int, where: str) -> list[str]:
+    """Return the mistake in what measures the tip: a sensor of the last link, whose far end it is."""
+    name = tip.get("sensor") if isinstance(tip, dict) else None
+    if not isinstance(name, str):
+        return []
+    if name not in known:
+        return [f"{where}: tip.sensor is {name!r}, expected one of {', '.join(known) or 'no sensor'}"]
+    link = next(sensor.get("joint") for sensor in sensors if sensor.get("name") == name)
+    if type(link) is not int or link >= n_joint:
+        return []
+    return [
+        f"{where}: tip.sensor is {name!r} on link {link}, expected one on link {n_joint}: the tip is the far end "
+        "of the last link"
     ]
 
 

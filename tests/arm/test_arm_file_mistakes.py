@@ -72,6 +72,7 @@ def test_mistakes_in_a_field_do_not_hide_those_between_fields():
         (("kv = [-9.5, -9.5]", ""), "it: control.kv has 0 numbers, expected one a joint (2)"),
         (("kv = [-9.5, -9.5]", "kv = -9.5"), "it: control.kv is -9.5; input should be a valid tuple"),
         (("friction = { v", "friction = 3 # {"), "it: joint[0].friction is 3; input should be a table"),
+        (('sensor = "s4"', 'sensor = "s1"'), "it: tip.sensor is 's1' on link 1, expected one on link 2: the tip"),
         (('sensor = "s4"', "sensor = 4"), "it: tip.sensor is 4; input should be a valid string"),
     ],
 )
