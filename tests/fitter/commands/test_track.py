@@ -172,9 +172,9 @@ def test_labels_of_several_runs_stay_where_they_differ(fitter, short_run, tmp_pa
 
 
 def test_a_sliding_joint_is_off_by_millimetres(fitter, tmp_path):
-    sensors = tuple(Sensor(f"s{k}", 2, (0.05 * k, 0.0, 0.0)) for k in (1, 2))
+    sensors = tuple(Sensor(f"s{k}", min(k, 2), (0.05 * k, 0.0, 0.0)) for k in (1, 2, 3))
     save_arm(Arm("rail", (Joint("prismatic"), Joint(a_m=0.2)), sensors=sensors), tmp_path / "rail.toml")
-    rest = {f"s{k}{axis}": np.full(400, 9.80665 * (axis == "z")) for k in (1, 2) for axis in "xyz"}
+    rest = {f"s{k}{axis}": np.full(400, 9.80665 * (axis == "z")) for k in (1, 2, 3) for axis in "xyz"}
     true = {"q1": np.full(400, 0.003), "q2": np.full(400, np.deg2rad(2.0))}
     write_motion(tmp_path / "raw.csv", {"t": 0.01 * np.arange(400), **rest, **true})
     common = ("--arm", tmp_path / "rail.toml", "--method", "integrate", "--out", tmp_path / "m.csv")
