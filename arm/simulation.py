@@ -20,6 +20,7 @@ from arm.control import gains
 from arm.drive import Commands
 from arm.drive_state import KA, DriveState, unchanging
 from arm.effects.effect_table import DELAY, changed, effect_table
+from arm.effects.trials import AnyTrial
 from arm.integration import effect_steps
 from arm.kinematics import tip_position
 from arm.model import Arm, Control, Floats
@@ -76,7 +77,7 @@ def simulate(
     scheme: Scheme = "rk4",
     torque: Floats | None = None,
     t0_s: float = 0.0,
-    trial: int = 1,
+    trial: AnyTrial = 1,
     drives: DriveState | None = None,
 ) -> Motion:
     """Simulate an arm from a state on.
@@ -96,8 +97,8 @@ def simulate(
         Measured torque in place of a control law; between samples it changes linearly.
     t0_s : float
         The run's time at the first sample, for effects that depend on it.
-    trial : int
-        Which of the run's trials this is, counted from 1.
+    trial : int or TrialId
+        Its number in the run, or what effects call it.
     drives : DriveState, optional
         Gains in place of the law's, and where the drives are engaged, from one sample to the next. Where they are
         not they give no torque, a given one neither.

@@ -5,11 +5,12 @@ import numpy as np
 from arm.drive import BEFORE, LAGGED0, PLAY0, TWIST0, Commands, Way
 from arm.effects.effect_table import DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS, EffectTable
 from arm.effects.resisting_torque import resisting_torque
+from arm.effects.trials import AnyTrial
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque
 
 
-def set_way(arm: Arm, commands: Commands, effects: EffectTable, trial: int, state: Floats, way: Way) -> None:
+def set_way(arm: Arm, commands: Commands, effects: EffectTable, trial: AnyTrial, state: Floats, way: Way) -> None:
     """Fill in what lags, play and twist were, and what the controller had asked for.
 
     An arm that rests at the first sample is taken to have rested before: its drives gave what holds it, and of
@@ -21,7 +22,7 @@ def set_way(arm: Arm, commands: Commands, effects: EffectTable, trial: int, stat
         As `changed` has it.
     commands : Commands
     effects : EffectTable
-    trial : int
+    trial : int or TrialId
     state : (2, n_joint)
         As it is measured at the first sample; becomes that of the links.
     way : Way
@@ -42,7 +43,7 @@ def set_way(arm: Arm, commands: Commands, effects: EffectTable, trial: int, stat
     q -= x[PLAY0] + x[TWIST0]
 
 
-def _resting(arm: Arm, q: Floats, asked: Floats, factor: Floats, t: float, trial: int) -> Floats:
+def _resting(arm: Arm, q: Floats, asked: Floats, factor: Floats, t: float, trial: AnyTrial) -> Floats:
     """Return the command next to ``asked`` under which a resting arm stays where it is."""
     still, torque, now = np.zeros((1, arm.n_joint)), (factor * asked)[None], np.array([t])
     forwards, backwards = (

@@ -97,8 +97,10 @@ def _number(where: str, parameter: Parameter, value: object) -> Iterator[str]:
     between = f"from {parameter.low:g} to {parameter.high:g}"
     if parameter.several:
         items: Sequence[Any] = list(value) if isinstance(value, list | tuple | np.ndarray) else [None]
-        if not all(_is_whole(item) and parameter.low <= item <= parameter.high for item in items):
-            yield f"{where} is {value!r}, expected a list of whole numbers {between}"
+        named = (isinstance(item, str) and item for item in items)
+        counted = (_is_whole(item) and parameter.low <= item <= parameter.high for item in items)
+        if not all(a or b for a, b in zip(named, counted, strict=True)):
+            yield f"{where} is {value!r}, expected a list of whole numbers {between}, or names"
         return
     if not isinstance(value, bool) and isinstance(value, Real):
         number = float(value)

@@ -21,6 +21,10 @@ Change = Callable[[Arm, Effect], Arm]
 Reading = Callable[[Floats, Floats, Floats, Values], Floats]
 
 
+#: No instant of a trial's clock is later, which may count from 1970 [s].
+LATEST_S = 1e10
+
+
 @dataclass(frozen=True)
 class Parameter:
     """A number of an effect.
@@ -40,7 +44,7 @@ class Parameter:
     optional : bool
         It may be left out.
     several : bool
-        It is a list of whole numbers.
+        It is a list of trials: whole numbers, or names.
     """
 
     name: str
@@ -87,7 +91,7 @@ class EffectKind:
         On how many joints, sensors or markers it acts at once; any number where it is absent.
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
-        resists.
+        resists, of those of its parameters that are single numbers.
     change : callable, optional
         For those that are other numbers of the arm, of its joints or its sensors: returns the arm that has it.
     marked : callable, optional
@@ -116,6 +120,11 @@ class EffectKind:
     force: Reading | None = None
     reading: Reading | None = None
     converted: Reading | None = None
+
+    @property
+    def numbers(self) -> tuple[Parameter, ...]:
+        """Its parameters that are single numbers."""
+        return tuple(parameter for parameter in self.parameters if not parameter.several)
 
     @property
     def acts_on(self) -> str:

@@ -1,6 +1,5 @@
 """An arm's effects as plain arrays, which is all that the compiled simulation knows of them."""
 
-import math
 from typing import NamedTuple
 
 import numpy as np
@@ -11,6 +10,7 @@ from arm.effects.check import effect_mistakes
 from arm.effects.effect import number
 from arm.effects.joint_torque import COULOMB, DIRECTION, MOST_PARAMETERS, N_STATE, TAU, VISCOUS, Q, T, torque_along
 from arm.effects.payload import loaded_from
+from arm.effects.trials import AnyTrial, acts_in
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import ConfigError
@@ -94,15 +94,15 @@ def changed(arm: Arm) -> Arm:
     return arm
 
 
-def effect_table(arm: Arm, trial: int = 1) -> EffectTable:
+def effect_table(arm: Arm, trial: AnyTrial = 1) -> EffectTable:
     """Return what acts in a simulation of one of a run's trials.
 
     Parameters
     ----------
     arm : Arm
         As `changed` has it.
-    trial : int
-        Counted from 1.
+    trial : int or TrialId
+        Its number, or what effects call it.
     """
     none = no_effects(arm.n_joint)
     if not arm.effects:
@@ -112,9 +112,11 @@ def effect_table(arm: Arm, trial: int = 1) -> EffectTable:
     for effect in arm.effects:
         kind = catalogue()[effect.name]
         values = effect.parameters
+        if not acts_in(values, trial):
+            continue
         if kind.torque is not None:
             row = np.zeros(MOST_PARAMETERS)
-            row[: len(kind.parameters)] = [number(values, parameter.name) for parameter in kind.parameters]
+            row[: len(kind.numbers)] = [number(values, parameter.name) for parameter in kind.numbers]
             for i in (j - 1 for j in effect.joints):
                 states = _probes(arm.joints[i].friction.viscous_N_m_s, arm.joints[i].friction.coulomb_N_m)
                 forwards, backwards = torque_along(kind, row, states).reshape(2, -1)
@@ -125,7 +127,7 @@ def effect_table(arm: Arm, trial: int = 1) -> EffectTable:
         elif kind.name in _NUMBERS:
             for place, name in _NUMBERS[kind.name].items():
                 numbers[place, [j - 1 for j in effect.joints]] = number(values, name)
-        elif kind.name == "payload" and loaded_from(values, trial) < math.inf:
+        elif kind.name == "payload":
             payload.append((loaded_from(values, trial), number(values, "mass_kg")))
     neutral = numbers == no_effects(arm.n_joint).numbers
     return EffectTable(

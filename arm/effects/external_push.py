@@ -1,7 +1,11 @@
-"""Somebody or something pushed, once; several pushes are several effects."""
+"""Somebody or something pushed, once; several pushes are several effects.
 
-from arm.effects.effect import EffectKind, Parameter
+With ``trials`` it was in those, by number or by name, on their clock; without, at that time of any trial.
+"""
+
+from arm.effects.effect import LATEST_S, EffectKind, Parameter
 from arm.effects.joint_torque import Numbers, T, joint_torque
+from arm.effects.trials import TRIALS
 
 
 @joint_torque
@@ -14,9 +18,10 @@ EFFECT = EffectKind(
     sentence="somebody or something pushed the joint",
     place="joint",
     parameters=(
-        Parameter("start_s", "s", 0.0, 1e6),
+        Parameter("start_s", "s", -LATEST_S, LATEST_S),
         Parameter("duration_s", "s", 1e-3, 1e4),
         Parameter("torque_N_m", "N m", -1e3, 1e3, linear=True, neutral=0.0),
+        TRIALS,
     ),
     taken_for=("payload",),
     event=True,

@@ -2,7 +2,8 @@
 
 from dataclasses import replace
 
-from arm.effects.effect import EffectKind, Parameter, with_markers
+from arm.effects.effect import EffectKind, with_markers
+from arm.effects.trials import TRIALS
 from arm.model import Arm, Effect, Marker
 
 
@@ -20,7 +21,7 @@ EFFECT = EffectKind(
     name="label_swap",
     sentence="the two markers have each other's names",
     place="marker",
-    parameters=(Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),),
+    parameters=(TRIALS,),
     taken_for=("marker_moved",),
     exactly=2,
     marked=_change,

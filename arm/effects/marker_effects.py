@@ -3,12 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import replace
 
-import numpy as np
-
 from arm.effects.catalogue import catalogue
 from arm.effects.check import effect_mistakes
 from arm.effects.soft_tissue import slid
-from arm.model import Arm, Effect, Floats
+from arm.effects.trials import acts_in
+from arm.model import Arm, Floats
 from limbcal.errors import ConfigError
 
 
@@ -22,18 +21,12 @@ def marked_in(arm: Arm, trial: int) -> Arm:
     """
     if arm.effects and (mistakes := effect_mistakes(arm)):
         raise ConfigError(mistakes)
-    acting = [effect for effect in arm.effects if acts_in(effect, trial)]
+    acting = [effect for effect in arm.effects if acts_in(effect.parameters, trial)]
     for effect in acting:
         change = catalogue()[effect.name].marked
         if change is not None:
             arm = change(arm, effect)
     return replace(arm, effects=tuple(acting))
-
-
-def acts_in(effect: Effect, trial: int) -> bool:
-    """Return whether an effect acts in a trial, counted from 1: in all, or in those that it lists."""
-    trials = effect.parameters.get("trials")
-    return trials is None or trial in np.ravel(trials)  # type: ignore[call-overload]
 
 
 def slid_markers(arm: Arm, q: Floats) -> Mapping[str, Floats]:

@@ -3,6 +3,7 @@
 from dataclasses import replace
 
 from arm.effects.effect import EffectKind, Parameter, total, vector, with_markers
+from arm.effects.trials import TRIALS
 from arm.model import Arm, Effect, Marker
 
 _AXES = ("x_m", "y_m", "z_m")
@@ -23,7 +24,7 @@ EFFECT = EffectKind(
     place="marker",
     parameters=(
         *(Parameter(name, "m", -1.0, 1.0, linear=True, neutral=0.0) for name in _AXES),
-        Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),
+        TRIALS,
     ),
     taken_for=("soft_tissue", "label_swap"),
     marked=_change,

@@ -1,24 +1,24 @@
 """A mass at the tip, in some trials or from some time on: a point at the far end of the last link.
 
-With ``trials`` it is there in those, counted from 1 over the run, and in no others; with ``since_s`` from that
-time on; with neither, always.
+With ``trials`` it is there in those, by number or by name, and in no others; with ``since_s`` from that time on;
+with both, from that time of the first of these trials on, and in the others all along; with neither, always.
 """
 
 import math
 from dataclasses import replace
 
-import numpy as np
-
-from arm.effects.effect import EffectKind, Parameter, Values, number
+from arm.effects.effect import LATEST_S, EffectKind, Parameter, Values, number
+from arm.effects.trials import TRIALS, AnyTrial, acts_in, is_trial, trials_of
 from arm.model import Arm
 
 
-def loaded_from(values: Values, trial: int) -> float:
-    """Return the run's time from which the mass is there in a trial [s]; infinite where it is not."""
-    trials = values.get("trials")
-    if trials is not None and trial not in np.ravel(trials):  # type: ignore[call-overload]
+def loaded_from(values: Values, trial: AnyTrial) -> float:
+    """Return the time from which the mass is there in a trial [s], on its clock; infinite where it is not."""
+    if not acts_in(values, trial):
         return math.inf
-    return number(values, "since_s") if "since_s" in values else -math.inf
+    listed = trials_of(values)
+    begins = not listed or is_trial(listed[0], trial)
+    return number(values, "since_s") if begins and "since_s" in values else -math.inf
 
 
 def with_load(arm: Arm, mass_kg: float) -> Arm:
@@ -39,8 +39,8 @@ EFFECT = EffectKind(
     place="arm",
     parameters=(
         Parameter("mass_kg", "kg", 0.0, 1e3, linear=True, neutral=0.0),
-        Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),
-        Parameter("since_s", "s", 0.0, 1e6, optional=True),
+        TRIALS,
+        Parameter("since_s", "s", -LATEST_S, LATEST_S, optional=True),
     ),
     taken_for=("external_push", "gain_error", "rotor_inertia"),
     whole=True,

@@ -11,6 +11,7 @@ from arm.effects.effect import number
 from arm.effects.effect_table import changed
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, N_STATE, TAU, VISCOUS, Q, T, torque_along
 from arm.effects.payload import loaded_from, with_load
+from arm.effects.trials import AnyTrial, acts_in
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, carried_inverse_dynamics
 from arm.newton_euler import inverse_dynamics
@@ -24,7 +25,7 @@ def resisting_torque(
     ddq: Floats,
     u: Floats,
     t: Floats,
-    trial: int = 1,
+    trial: AnyTrial = 1,
     direction: Floats | None = None,
     base: BaseState | None = None,
 ) -> Floats:
@@ -40,8 +41,8 @@ def resisting_torque(
         Torque that drives the joints, after the drive's effects.
     t : (n_sample,) [s]
         The run's time.
-    trial : int
-        Which of the run's trials this is, counted from 1.
+    trial : int or TrialId
+        Its number in the run, or what effects call it.
     direction : (n_sample, n_joint), optional
         In which the joints move, or would; the sign of ``dq`` unless given.
     base : BaseState, optional
@@ -66,6 +67,8 @@ def resisting_torque(
     total = np.zeros_like(q)
     for effect in arm.effects:
         kind, values = catalogue()[effect.name], effect.parameters
+        if not acts_in(values, trial):
+            continue
         for i in (joint - 1 for joint in effect.joints):
             if kind.torque is not None:
                 friction = arm.joints[i].friction
@@ -73,7 +76,7 @@ def resisting_torque(
                 states[:, T], states[:, Q], states[:, DQ], states[:, TAU] = t, q[:, i], dq[:, i], u[:, i]
                 states[:, DIRECTION] = way[:, i]
                 states[:, VISCOUS], states[:, COULOMB] = friction.viscous_N_m_s, friction.coulomb_N_m
-                numbers = np.array([number(values, parameter.name) for parameter in kind.parameters])
+                numbers = np.array([number(values, parameter.name) for parameter in kind.numbers])
                 total[:, i] += torque_along(kind, numbers, states)
             elif kind.name == "rotor_inertia":
                 total[:, i] += number(values, "inertia_kg_m2") * ddq[:, i]

@@ -7,6 +7,7 @@ so much a radian (or metre) of the joint.
 import numpy as np
 
 from arm.effects.effect import EffectKind, Parameter, number, vector
+from arm.effects.trials import TRIALS
 from arm.model import Effect, Floats
 
 SLOPES = ("x_m_rad", "y_m_rad", "z_m_rad")
@@ -27,7 +28,7 @@ EFFECT = EffectKind(
         *(Parameter(name, "m/rad", -1.0, 1.0, linear=True, neutral=0.0) for name in SLOPES),
         Parameter("rest_rad", "rad", -1e3, 1e3),
         Parameter("joint", "1", 1.0, 1e6),
-        Parameter("trials", "1", 1.0, 1e6, optional=True, several=True),
+        TRIALS,
     ),
     taken_for=("marker_moved",),
 )

@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.effects.trials import TrialId
 from arm.model import Arm, Floats
 from arm.possible import why_it_runs_away
 from arm.simulation import Motion, simulate, tip_of
@@ -70,7 +71,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         notes += of_source(trial.measured.notes, measured.name)
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
-        place = float(measured.t[0]), measured.number(number)
+        place = float(measured.t[0]), measured.identity(number)
         motion, tip = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
             raise DataError(f"{measured.name}: the simulation runs away to infinity: {why_it_runs_away(arm)}")
@@ -108,7 +109,7 @@ def _start(measured: Measured, arm: Arm) -> Floats:
 
 
 def _simulated(
-    arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str, t0_s: float, number: int
+    arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str, t0_s: float, identity: TrialId
 ) -> tuple[Motion, Floats]:
     """Simulate with steps that are short enough, and give back the file's own samples and where the tip was."""
     parts = max(1, int(np.ceil(dt_s / _LONGEST_STEP_S - 1e-9)))
@@ -130,7 +131,7 @@ def _simulated(
         "paper" if scheme == "paper" else "rk4",
         torque,
         t0_s,
-        number,
+        identity,
         None if drives is None else drives.rows(held),
     )
     own = Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))

@@ -11,6 +11,7 @@ from rich.progress import track as progress
 from arm.base_pose import gravity_in_world, is_carried
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
+from arm.effects.trials import AnyTrial, TrialId
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, OuterWrench, carried_inverse_dynamics
 from fitter.commands.arm_option import questioned_arm
@@ -91,7 +92,7 @@ def torque(arguments: argparse.Namespace) -> Document:
         contacts = contacts_of(arguments.contact, plates, arm)
         notes += of_source(light(arm, plates), trial.name)
         pieces = split_at_holes(trial)
-        of_pieces = [_torques(arm, piece, contacts, trial.number(number)) for piece in pieces]
+        of_pieces = [_torques(arm, piece, contacts, trial.identity(number)) for piece in pieces]
         parts.append({name: np.concatenate([part[name] for part, _ in of_pieces]) for name in of_pieces[0][0]})
         for piece, (_, said) in zip(pieces, of_pieces, strict=True):
             notes += of_source((*piece.notes, *said), trial.name)
@@ -169,7 +170,7 @@ def _kinematic(trial: Measured) -> Measured:
 
 
 def _torques(
-    arm: Arm, trial: Measured, contacts: Sequence[tuple[PlateWrench, int]], number: int
+    arm: Arm, trial: Measured, contacts: Sequence[tuple[PlateWrench, int]], identity: TrialId
 ) -> tuple[dict[str, np.ndarray], list[Note]]:
     t, q = trial.t, trial.columns["q"]
     if not np.isfinite(q).all():
@@ -196,7 +197,7 @@ def _torques(
     if base_columns is None and arm.base is not None and is_carried(arm):
         text = f"the motion has no base_x … base_qz although {arm.base.segment} carries the base: it stands"
         notes.append(Note("base_untracked", text))
-    tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, number)
+    tau = needed_torque(arm, q, dq, ddq, base, wrenches, t, identity)
     part = {"t": t, "q": q, "dq": dq, "ddq": ddq, "tau": tau}
     if base_columns is not None:
         part |= dict(zip(BASE_ROLES, base_columns.T, strict=True))
@@ -222,7 +223,7 @@ def needed_torque(
     base: BaseState,
     wrenches: Sequence[OuterWrench],
     t: Floats,
-    trial: int,
+    trial: AnyTrial,
 ) -> Floats:
     """Return what must drive the joints: rigid links, friction, effects, less what acts from outside."""
     whole = changed(arm)

@@ -73,4 +73,6 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         began_s=motion.began_s + trim * dt_s,
         contradicted=None if marked is None else marked[inner] > _CONTRADICTED_SHARE,
         drives=None if drives is None else drives.rows(inner),
+        label=measured.label,
+        piece_of=measured.piece_of,
     )

@@ -41,7 +41,7 @@ def split_at_leaps(motion: Measured) -> list[Measured]:
             f"{motion.where}: {notes[0].text.partition(':')[0]}, and no piece has {MINIMUM_SAMPLES} samples; "
             "expected rows that follow one another"
         )
-    pieces = [motion.rows(begin, end, f"{motion.name}#{k + 1}") for k, (begin, end) in enumerate(spans)]
+    pieces = [motion.piece(begin, end, k + 1) for k, (begin, end) in enumerate(spans)]
     first = replace(pieces[0], notes=(*pieces[0].notes, *notes))
     return [first, *(replace(piece, notes=()) for piece in pieces[1:])]
 

@@ -7,6 +7,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.effects.trials import TrialId, trial_id
 from fitter.data.felt import Felt
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -48,6 +49,8 @@ class Measured:
         of units, a type or an entry of ``--columns``: a magnitude that surprises is no question of units there.
     felt : Felt or None
         What the sensors read from the rest before it to the rest after it, where that came along.
+    piece_of : str
+        The name of the trial that it is a piece of, if that was parted.
     """
 
     name: str
@@ -60,11 +63,16 @@ class Measured:
     labels: Labels | None = None
     stated: frozenset[str] = frozenset()
     felt: Felt | None = None
+    piece_of: str = ""
 
-    def number(self, place: int) -> int:
-        """Return its number over the run, for effects that some trials have: its own label, or its place."""
-        label = "" if self.labels is None else str(self.labels[0])
-        return int(label) if label.isdecimal() else place
+    @property
+    def label(self) -> str:
+        """What stands in its ``trial`` column; nothing without one."""
+        return "" if self.labels is None or not len(self.labels) else str(self.labels[0])
+
+    def identity(self, place: int) -> TrialId:
+        """Return what effects call it, at its place in the run: a piece is called as its trial is."""
+        return trial_id(place, self.label, self.piece_of or self.name)
 
     def rows(self, begin: int, end: int, name: str, *notes: Note) -> "Measured":
         """Return a stretch of it as a motion of its own."""
@@ -80,10 +88,15 @@ class Measured:
             self.stated,
         )
 
+    def piece(self, begin: int, end: int, k: int, *notes: Note) -> "Measured":
+        """Return a stretch of it as its k-th piece, from 1."""
+        part = self.rows(begin, end, f"{self.name}#{k}", *notes)
+        return replace(part, piece_of=self.piece_of or self.name)
+
 
 def trial_column(trials: Sequence[Measured]) -> list[int]:
     """Return what stands in the ``trial`` column for each: their numbers where these differ, else their places."""
-    numbers = [trial.number(place) for place, trial in enumerate(trials, 1)]
+    numbers = [trial.identity(place).number for place, trial in enumerate(trials, 1)]
     return numbers if len(set(numbers)) == len(numbers) else list(range(1, len(trials) + 1))
 
 

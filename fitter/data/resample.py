@@ -72,7 +72,7 @@ def split_at_holes(motion: Measured) -> list[Measured]:
         f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
     )
     note = Note("gap", text, source=motion.where, columns=("t",), row=row, from_s=before, to_s=after)
-    return [motion.rows(begin, end, f"{motion.name}#{k + 1}", note) for k, (begin, end) in enumerate(spans)]
+    return [motion.piece(begin, end, k + 1, note) for k, (begin, end) in enumerate(spans)]
 
 
 def time_step(t: Floats) -> tuple[float, bool]:

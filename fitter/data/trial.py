@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.drive_state import DriveState
+from arm.effects.trials import TrialId, trial_id
 from fitter.data.derivatives import lowpass
 from limbcal.note import Note
 from protocol.tables.columns import DRIVE_ROLES
@@ -69,6 +70,10 @@ class Trial:
         The motion as it may have been, where its tracker says so; of its points those of the tip's sensor. Each
         sample then stands for a step of the readings that it was found from, and one that an acceleration jumps in
         for none.
+    label : str
+        What stands in its ``trial`` column; nothing without one.
+    piece_of : str
+        The name of the trial that it is a piece of, if that was parted.
     """
 
     name: str
@@ -94,6 +99,13 @@ class Trial:
     contradicted: NDArray[np.bool_] | None = None
     draws: Draws | None = None
     drives: DriveState | None = None
+    label: str = ""
+    piece_of: str = ""
+
+    @property
+    def identity(self) -> TrialId:
+        """What effects call it: a piece is called as its trial is."""
+        return trial_id(self.number, self.label, self.piece_of or self.name)
 
     @property
     def counted(self) -> NDArray[np.bool_]:

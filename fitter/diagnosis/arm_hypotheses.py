@@ -110,18 +110,30 @@ class AirDrag(Hypothesis):
 
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion with the torque of a unit of drag as a column of its own."""
-        links = [Link(air_drag_N_m_s2=1.0 if j in self.joints else 0.0) for j in range(hypothetical.arm.n_joint)]
-        joints = [
-            replace(joint, link=link, friction=Friction())
-            for joint, link in zip(hypothetical.arm.joints, links, strict=True)
-        ]
-        massless = replace(hypothetical.arm, joints=tuple(joints))
-        column = inverse_dynamics(massless, hypothetical.q, hypothetical.dq, hypothetical.ddq)[..., None]
+        drag = [1.0 if j in self.joints else 0.0 for j in range(hypothetical.arm.n_joint)]
+        column = drag_column(hypothetical, drag)[..., None]
         return replace(hypothetical, columns=(*hypothetical.columns, column))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the drag."""
         return np.array(factors)
+
+
+def drag_column(hypothetical: HypotheticalMotion, drag: Sequence[float]) -> Floats:
+    """Return the torque of the links' air drag alone, (n_sample, n_joint).
+
+    Parameters
+    ----------
+    hypothetical : HypotheticalMotion
+    drag : sequence of float [N m s^2/rad^2]
+        Of each link.
+    """
+    joints = [
+        replace(joint, link=Link(air_drag_N_m_s2=of_link), friction=Friction())
+        for joint, of_link in zip(hypothetical.arm.joints, drag, strict=True)
+    ]
+    massless = replace(hypothetical.arm, joints=tuple(joints))
+    return inverse_dynamics(massless, hypothetical.q, hypothetical.dq, hypothetical.ddq)
 
 
 class FrictionDrift(Hypothesis):

@@ -22,6 +22,7 @@ from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.search import Search, StaticFriction, Verdict
 from fitter.diagnosis.static_friction import EFFECT as STICTION
 from fitter.diagnosis.static_friction import static_frictions, sticking, with_humps
+from fitter.diagnosis.trial_clocks import begins_in, entries, trial_at
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import of_source
@@ -43,16 +44,10 @@ def pushes_of(motions: Sequence[Motion], cause: NamedCause) -> list[NamedCause]:
     for k in range(1, count + 1):
         end = f"_{k}" if count > 1 else ""
         own = {name: cause.parameters[name + end] for name in _NAMES}
-        motion = _trial_of(motions, own[_START].value)
-        began = motion.trial.began_s - float(motion.t[0] - motion.trial.t[0])
-        own[_START] = replace(own[_START], value=own[_START].value + began)
+        motion = trial_at(motions, own[_START].value)
+        own[_START] = replace(own[_START], value=own[_START].value - motion.ahead_s)
         listed.append(replace(cause, parameters=own, where={"trial": motion.trial.name}))
     return listed
-
-
-def _trial_of(motions: Sequence[Motion], at_s: float) -> Motion:
-    """Return the trial that an instant of the run's clock is in, or the one nearest to it."""
-    return min(motions, key=lambda motion: max(float(motion.t[0]) - at_s, at_s - float(motion.t[-1])))
 
 
 def finding_of(
@@ -142,7 +137,8 @@ def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Moti
 
 def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:
     """Return the accepted causes, each with those that explain as much in its stead right behind it."""
-    learnt = [motion.learn for motion in regression.motions]
+    motions = regression.motions
+    learnt = [motion.learn for motion in motions]
     held_out = [not one for one in learnt]
     listed = []
     for cause in search.causes:
@@ -150,11 +146,11 @@ def _causes(regression: Regression, search: Search, found: Estimates) -> list[Na
         if any(held_out):
             taken["evaluate"] = cause.takes_away(held_out)
         hypothesis = search.final.model.hypotheses[cause.place]
-        named = _named(hypothesis, found.effects[cause.place], cause.support[0], taken)
-        listed += pushes_of(regression.motions, named) if isinstance(hypothesis, DisturbancePulses) else [named]
+        named = _named(motions, hypothesis, found.effects[cause.place], cause.support[0], taken)
+        listed += pushes_of(motions, named) if isinstance(hypothesis, DisturbancePulses) else [named]
         for rival, share in zip(cause.rivals, cause.support[1:], strict=True):
             own = estimates(regression, rival).effects[-1]
-            listed.append(replace(_named(rival.hypothesis, own, share, {}), in_stead=True))
+            listed.append(replace(_named(motions, rival.hypothesis, own, share, {}), in_stead=True))
     return listed
 
 
@@ -167,20 +163,24 @@ def _at_rest(regression: Regression, come_to: Conclusion) -> list[NamedCause]:
         listed.append(NamedCause(STICTION, (one.joint + 1,), {"static_N_m": one.parameter}, share))
         if equal is not None:
             own = estimates(regression, equal).effects[-1]
-            listed.append(replace(_named(equal.hypothesis, own, share, {}), in_stead=True))
+            listed.append(replace(_named(regression.motions, equal.hypothesis, own, share, {}), in_stead=True))
     return listed
 
 
 def _named(
-    hypothesis: Hypothesis, numbers: dict[str, FittedParameter], support: float, takes_away: Mapping[str, float]
+    motions: Sequence[Motion],
+    hypothesis: Hypothesis,
+    numbers: dict[str, FittedParameter],
+    support: float,
+    takes_away: Mapping[str, float],
 ) -> NamedCause:
     where: dict[str, object] = {}
-    if isinstance(hypothesis, Payload):
-        where = (
-            {"since_s": hypothesis.since_s}
-            if hypothesis.since_s is not None
-            else {"trials": sorted(hypothesis.trials)}
-        )
+    if isinstance(hypothesis, Payload) and hypothesis.since_s is not None:
+        first = begins_in(motions, hypothesis.since_s)
+        where = {"since_s": hypothesis.since_s - first.ahead_s, "trial": first.trial.name}
+    elif isinstance(hypothesis, Payload):
+        called = entries(motions)
+        where = {"trials": [called[number] for number in sorted(hypothesis.trials)]}
     joints = tuple(j + 1 for j in hypothesis.joints)
     return NamedCause(hypothesis.kind.name, joints, numbers, support, where, takes_away)
 

@@ -19,6 +19,7 @@ from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.disturbance_pulses import with_pulses
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
+from fitter.diagnosis.given_effects import acting_arm, as_in_file, given_model
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses, living_ranges
 from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
@@ -38,6 +39,8 @@ from limbcal.errors import DataError, NotIdentifiable
 from limbcal.note import Note
 
 Progress = Callable[[str, float], None]
+#: Returns the equations of some motions.
+Equations = Callable[[Sequence[Motion]], Regression]
 
 _UNSEEN = "what is wrong shows in evaluating trials only, so causes were sought in all: the gain is no prediction"
 
@@ -81,7 +84,7 @@ def diagnose(
     Parameters
     ----------
     arm : Arm
-        Geometry, gravity and control law; what it has of dynamics is not used.
+        Geometry, gravity, control law and effects; what it has of masses and friction is not used.
     learn, evaluate : sequence of Measured
         Joint motion with torque, or with the target of a known law.
     rate_hz : float, optional
@@ -110,10 +113,15 @@ def diagnose(
     corner = corner_hz([grid for some in grids for grid in some])
     learning, evaluating = _trials(grids, corner, free)
     scale = _scale_of(arm) if free else None
-    likelihood, search = _searched(arm, run_of(arm, learning, evaluating), denied, scale, say)
+    motions = run_of(arm, learning, evaluating, thin=False)
+    acting, given = acting_arm(arm, motions), given_model(arm)
+
+    def equations(some: Sequence[Motion]) -> Regression:
+        return regression_of(acting, some, denied, scale, given)
+
+    likelihood, search = _searched(equations, run_of(arm, learning, evaluating), say)
     say("describing the residual", 0.8)
     come_to = concluded(likelihood.regression, search)
-    motions = run_of(arm, learning, evaluating, thin=False)
     say("moving the numbers by simulated motion", 0.9)
     polish = polished(likelihood.regression, come_to, motions, horizon_s)
     if polish is not None and polish.said.kept:
@@ -122,12 +130,18 @@ def diagnose(
     finding = finding_of(
         likelihood.regression, come_to, motions, horizon_s, None if polish is None else polish.said
     )
+    base_arm, extended = (as_in_file(arm, acting, one, motions) for one in (finding.base_arm, finding.arm))
+    finding = replace(finding, base_arm=base_arm, arm=base_arm if finding.arm is finding.base_arm else extended)
     if judge:
         say("judging on the trials that had no say", 0.97)
         unseen = _trials([_grids(some, rate_hz) for some in judge.values()], corner, free)
-        others = run_of(arm, learning, [*evaluating, *chain.from_iterable(unseen)], thin=False)[len(motions) :]
+        every = run_of(arm, learning, [*evaluating, *chain.from_iterable(unseen)], thin=False)
+        others = every[len(motions) :]
         names = [name for name, some in zip(judge, unseen, strict=True) for _ in some]
-        models = (come_to.search.base, finding.base_arm), (come_to.final, finding.arm)
+        models = (
+            (come_to.search.base, acting_arm(finding.base_arm, every)),
+            (come_to.final, acting_arm(finding.arm, every)),
+        )
         finding = replace(finding, judged=judged_sets(likelihood.regression, models, others, names, horizon_s))
     warnings = chatter(arm, [*learning, *evaluating]) + ([_UNSEEN] if search.from_all and search.causes else [])
     finding = replace(finding, warnings=tuple(Note("doubt", warning) for warning in warnings))
@@ -135,11 +149,9 @@ def diagnose(
     return Diagnosis(finding, likelihood.regression, come_to.search, motions, come_to.final)
 
 
-def _searched(
-    arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
-) -> tuple[TorqueLikelihood, Search]:
+def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) -> tuple[TorqueLikelihood, Search]:
     """Return what a search has come to: by the learning trials, or by all if only the others show something."""
-    likelihood, search, found = _found(arm, motions, denied, scale, say)
+    likelihood, search, found = _found(equations, motions, say)
     judging = np.array([not motion.learn for motion in motions])
     chi2_ratio = found.final.candidate.squares[judging].sum() / likelihood.regression.n_effective[judging].sum()
     # Causes that were found predict no better than their numbers are known.
@@ -147,7 +159,7 @@ def _searched(
     from_all = likelihood.floor.is_none and shown
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
-        likelihood, search, found = _found(arm, motions, denied, scale, say)
+        likelihood, search, found = _found(equations, motions, say)
     base_floor, regression, final = likelihood.base_floor, likelihood.regression, found.final.candidate
     if not likelihood.is_exact(found.final, everywhere=True):
         final = with_pulses(
@@ -175,11 +187,13 @@ def _searched(
 
 
 def _found(
-    arm: Arm, motions: Sequence[Motion], denied: tuple[str, ...], scale: tuple[int, float] | None, say: Progress
+    equations: Equations, motions: Sequence[Motion], say: Progress
 ) -> tuple[TorqueLikelihood, Stepwise, Found]:
     """Return the likelihood, the search by it, and what it has found."""
-    living = living_ranges(arm, [motion.q for motion in motions])
-    tried = hypotheses(arm.n_joint, denied, driven=scale is None, living=living)
+    regression = equations(motions)
+    living = living_ranges(regression.arm, [motion.q for motion in motions])
+    driven = regression.equations.known is None
+    tried = hypotheses(regression.arm.n_joint, regression.denied, driven=driven, living=living)
     count = [0]
 
     def trying(done: int, total: int) -> None:
@@ -189,7 +203,7 @@ def _found(
     def one_more(n: int) -> None:
         count[0] = n
 
-    likelihood = TorqueLikelihood(regression_of(arm, motions, denied, scale), tried, screen, trying, events)
+    likelihood = TorqueLikelihood(regression, tried, screen, trying, events)
     search = Stepwise(likelihood, len(tried), MOST_CAUSES, one_more)
     return likelihood, search, search.run()
 

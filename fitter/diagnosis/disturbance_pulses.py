@@ -74,7 +74,7 @@ class DisturbancePulses(Hypothesis):
     @property
     def names(self) -> tuple[str, ...]:
         """Numbered where there are several pushes."""
-        names = [parameter.name for parameter in self.kind.parameters]
+        names = [parameter.name for parameter in self.kind.numbers]
         if len(self.found) == 1:
             return tuple(names)
         return tuple(f"{name}_{k + 1}" for k in range(len(self.found)) for name in names)
@@ -82,7 +82,7 @@ class DisturbancePulses(Hypothesis):
     @property
     def units(self) -> tuple[str, ...]:
         """Of each."""
-        return tuple(parameter.unit for parameter in self.kind.parameters) * len(self.found)
+        return tuple(parameter.unit for parameter in self.kind.numbers) * len(self.found)
 
 
 def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:

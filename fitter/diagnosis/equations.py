@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters
-from fitter.diagnosis.model import Hypothesis, Model
+from fitter.diagnosis.model import BARE, Hypothesis, Model
 from fitter.diagnosis.motion import BaseColumns, HypotheticalMotion, Motion, as_measured
 from fitter.diagnosis.weighting import Columns, Rows, Weighting
 
@@ -201,12 +201,19 @@ class Equations:
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
     known : (column, value), optional
         A standard parameter that is not sought: where no torque determines the scale of all the others, it does.
+    given : Model
+        What acts in addition to every model, without columns, unless the model has another in its stead.
     """
 
     def __init__(
-        self, arm: Arm, weighting: Weighting, denied: tuple[str, ...] = (), known: tuple[int, float] | None = None
+        self,
+        arm: Arm,
+        weighting: Weighting,
+        denied: tuple[str, ...] = (),
+        known: tuple[int, float] | None = None,
+        given: Model = BARE,
     ) -> None:
-        self.arm, self.weighting, self.denied, self.known = arm, weighting, denied, known
+        self.arm, self.weighting, self.denied, self.known, self.given = arm, weighting, denied, known, given
         self._sought = BaseColumns(arm, denied, known)
         self._stages: dict[int, list[CachedTransform]] = {}
 
@@ -260,10 +267,12 @@ class Equations:
             stages = self._stages[id(motion)] = [
                 CachedTransform(self._sought, self.weighting, as_measured(motion, self.arm))
             ]
-        for k, i in enumerate(model.downstream(), start=1):
-            hypothesis, psi = model.hypotheses[i], model.psi[i]
+        given = self.given.beside(model)
+        whole = Model((*given.hypotheses, *model.hypotheses), (*given.psi, *model.psi))
+        for k, i in enumerate(whole.downstream(), start=1):
+            hypothesis, psi = whole.hypotheses[i], whole.psi[i]
             by = stages[k].by if k < len(stages) else None
             if by is None or by[0] is not hypothesis or not np.array_equal(by[1], psi):
                 del stages[k:]
                 stages.append(stages[-1].then(hypothesis, psi))
-        return stages[len(model.hypotheses)]
+        return stages[len(whole.hypotheses)]

@@ -26,7 +26,7 @@ from fitter.diagnosis.errors_in_variables import noisier
 from fitter.diagnosis.evidence import NOISE_VARIANCE_TOLERANCE, Floor
 from fitter.diagnosis.holding_torque import holding_sizes
 from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY, scaled_lstsq
-from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.model import BARE, Candidate, Model
 from fitter.diagnosis.motion import SAMPLES, Motion
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.weighting import Weighting
@@ -37,6 +37,7 @@ def regression_of(
     motions: Sequence[Motion],
     denied: tuple[str, ...] = (),
     known: tuple[int, float] | None = None,
+    given: Model = BARE,
 ) -> Regression:
     """Return the equations of a run whose noise is only guessed from a first fit of the base model.
 
@@ -49,14 +50,16 @@ def regression_of(
     denied : tuple of str
         See `Regression`.
     known : (column, value), optional
+    given : Model
+        What acts in addition to every model, see `Equations`.
     """
-    crude = Equations(arm, first_weighting(arm, motions), denied, known)
+    crude = Equations(arm, first_weighting(arm, motions), denied, known, given)
     rows = [crude.rows(Model(), motion) for motion in motions if motion.learn]
     values = scaled_lstsq(
         np.vstack([one.design for one in rows]), np.concatenate([one.target.ravel() for one in rows])
     )
     weighted = reweighted(crude, crude.weighting, Model(), values, motions, noisier(arm, motions))
-    return Regression(arm, motions, weighted, denied, known)
+    return Regression(arm, motions, weighted, denied, known, given)
 
 
 def reweighted(

@@ -13,7 +13,7 @@ from arm.physical_links import is_possible, link_parameters
 from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.estimates import Estimates, generic_arm
-from fitter.diagnosis.model import Candidate, Hypothesis
+from fitter.diagnosis.model import Candidate, Hypothesis, Model, replaces
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.dynamics.physical import nearest_possible
@@ -138,8 +138,21 @@ def extended_arm(regression: Regression, fitted: Candidate, found: Estimates) ->
         joints=tuple(map(_braked, moved.joints)),
         gravity_m_s2=arm.gravity_m_s2,
         base_parameters=parameters,
-        effects=(*arm.effects, *split),
+        effects=(*given_effects(arm, fitted.model), *split),
     )
+
+
+def given_effects(arm: Arm, model: Model) -> list[Effect]:
+    """Return an arm's effects but those that a model has others in the stead of.
+
+    Parameters
+    ----------
+    arm : Arm
+        As `fitter.diagnosis.given_effects.acting_arm` has it.
+    model : Model
+    """
+    gone = {(one.kind.name, j + 1) for one in model.hypotheses if replaces(one.kind) for j in one.joints}
+    return [one for one in arm.effects if not gone.intersection((one.name, joint) for joint in one.joints)]
 
 
 def _braked(joint: Joint) -> Joint:

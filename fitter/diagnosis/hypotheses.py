@@ -68,11 +68,15 @@ def hypotheses(
         if not driven and (kind.place in ("drive", "transmission") or depends_on(kind, TAU)):
             continue
         if name in _MAKERS:
-            maker, places = _MAKERS[name]
-            found += [maker(kind, place) for place in places(n_joint)]
+            found += [made(kind, place) for place in _MAKERS[name][1](n_joint)]
         elif kind.place == "joint" and not kind.event:
             found += _at_joints(kind, n_joint, living or {})
     return found
+
+
+def made(kind: EffectKind, joints: tuple[int, ...]) -> Hypothesis:
+    """Return the hypothesis of an effect that is no torque against a joint's motion, at some joints from 0."""
+    return _MAKERS[kind.name][0](kind, joints)
 
 
 def living_ranges(arm: Arm, angles: Sequence[Floats]) -> dict[int, Ends]:

@@ -23,7 +23,8 @@ class ActionOrder(IntEnum):
     """In what order hypotheses act: from the drive to the link, whatever order they were found in.
 
     What no torque enters comes first. A limit is the same before a delay and after it, but before it the torque is
-    as sharp as asked for. What acts on the torque does so before columns are made of it.
+    as sharp as asked for. What acts on the torque does so before columns are made of it. What the arm is known to
+    resist with is taken out in the end.
     """
 
     BACKLASH = auto()
@@ -35,6 +36,7 @@ class ActionOrder(IntEnum):
     COLUMNS = auto()
     FRICTION = auto()
     SCALE = auto()
+    GIVEN = auto()
 
 
 class Hypothesis(ABC):
@@ -119,6 +121,10 @@ class Hypothesis(ABC):
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion as it is if this hypothesis holds too."""
 
+    def psi_of(self, numbers: Floats) -> Floats:
+        """Return psi (n_psi,) from the effect's own parameters, of a hypothesis without columns."""
+        return np.array(numbers)
+
     @abstractmethod
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return the effect's own parameters, in the catalogue's order, from psi and the columns' factors."""
@@ -142,12 +148,17 @@ class Hypothesis(ABC):
     @property
     def names(self) -> tuple[str, ...]:
         """Names of the parameters that `numbers` returns."""
-        return tuple(parameter.name for parameter in self.kind.parameters)
+        return tuple(parameter.name for parameter in self.kind.numbers)
 
     @property
     def units(self) -> tuple[str, ...]:
         """Units of the parameters that `numbers` returns."""
-        return tuple(parameter.unit for parameter in self.kind.parameters)
+        return tuple(parameter.unit for parameter in self.kind.numbers)
+
+
+def replaces(kind: EffectKind) -> bool:
+    """Say whether one effect of a kind replaces another at its joint: between torque and link there is one."""
+    return kind.place in ("drive", "transmission")
 
 
 #: A psi of less than this is moved as if it were this large: a milliradian, a millisecond.
@@ -164,6 +175,19 @@ class Model:
     def plus(self, hypothesis: Hypothesis, psi: Floats) -> "Model":
         """Return this model with one hypothesis more."""
         return Model((*self.hypotheses, hypothesis), (*self.psi, np.asarray(psi, dtype=np.float64)))
+
+    def beside(self, other: "Model") -> "Model":
+        """Return this model without what another one has in its stead."""
+        return self.only(
+            [
+                not any(
+                    one.kind.name == own.kind.name and set(one.joints) & set(own.joints)
+                    for one in other.hypotheses
+                    if replaces(one.kind)
+                )
+                for own in self.hypotheses
+            ]
+        )
 
     def without(self, k: int) -> "Model":
         """Return this model without its k-th hypothesis."""
@@ -241,6 +265,10 @@ class Model:
             return ActionOrder.COLUMNS if hypothesis.n_column else hypothesis.turn
 
         return sorted(range(len(self.hypotheses)), key=turn)
+
+
+#: Nothing beyond the base parameters.
+BARE = Model()
 
 
 @dataclass(frozen=True)

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.effects.joint_torque import N_STATE
+from arm.effects.trials import TrialId
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from arm.structural_parameters import structural_parameters
@@ -66,6 +67,16 @@ class Motion:
     stuck: NDArray[np.bool_]
     dt_s: float
     jumps: tuple[tuple[float, int, float], ...] = ()
+
+    @property
+    def identity(self) -> TrialId:
+        """What effects of an arm file call it."""
+        return replace(self.trial, number=self.number).identity
+
+    @property
+    def ahead_s(self) -> float:
+        """By how much the run's clock is ahead of the trial's own [s]."""
+        return float(self.t[0] - self.trial.t[0]) - self.trial.began_s
 
 
 def drive_torque(arm: Arm, trial: Trial) -> Floats:

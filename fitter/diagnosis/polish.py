@@ -17,7 +17,7 @@ from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.estimates import Estimates, estimates, information_of
-from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, model_numbers
+from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, given_effects, model_numbers
 from fitter.diagnosis.finding import Conclusion, Polished
 from fitter.diagnosis.held_out import judged, smooth, torque_residual
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
@@ -105,7 +105,7 @@ def _moved(
     kept = regression.equations.independent(
         regression.hypothetical(come_to.final.model, regression.motions[0]).arm
     )
-    given = len(regression.arm.effects)
+    given = len(given_effects(regression.arm, come_to.final.model))
     numbers = model_numbers(arm, come_to.numbers, come_to.final, kept.tolist(), given)
     measured = is_measured(motions)
     torque = come_to.numbers.covariance

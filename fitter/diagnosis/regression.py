@@ -21,7 +21,7 @@ from fitter.diagnosis.least_squares import (
     Normal,
     compensated,
 )
-from fitter.diagnosis.model import Model
+from fitter.diagnosis.model import BARE, Model
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.motion_cells import cells_of
 from fitter.diagnosis.weighting import Rows, Weighting
@@ -83,6 +83,8 @@ class Regression:
         Beginnings of names of base parameters that are left out, such as ``D`` and ``fc``.
     known : (column, value), optional
         A standard parameter that is not sought: where no torque determines the scale of all the others, it does.
+    given : Model
+        What acts in addition to every model, see `Equations`.
     """
 
     def __init__(
@@ -92,6 +94,7 @@ class Regression:
         weighted: Weighting,
         denied: tuple[str, ...] = (),
         known: tuple[int, float] | None = None,
+        given: Model = BARE,
     ) -> None:
         self.arm = arm
         self.motions = list(motions)
@@ -99,7 +102,7 @@ class Regression:
         self._scales: dict[object, Floats] = {}
         self._plain: dict[object, Floats] = {}
         self.noisier = noisier(arm, self.motions)
-        self.equations = Equations(arm, weighted, denied, known)
+        self.equations = Equations(arm, weighted, denied, known, given)
         #: The sensors' noise alone, where no more is known of the masses.
         self.sensors = weighted
         #: Which part of the equations' variance is no noise of the sensors (`error_floor`), 0 to 1.
@@ -147,7 +150,8 @@ class Regression:
 
     def weighted_by(self, weighted: Weighting) -> "Regression":
         """Return a regression of the same motions with another filter, and no density."""
-        other = Regression(self.arm, self.motions, weighted, self.denied, self.equations.known)
+        known, given = self.equations.known, self.equations.given
+        other = Regression(self.arm, self.motions, weighted, self.denied, known, given)
         other.sensors = self.sensors
         return other
 

@@ -57,14 +57,16 @@ def static_frictions(regression: Regression, final: Candidate, covariance: Float
     """
     known = np.nan_to_num(covariance)
     unit = catalogue()[EFFECT].parameters[0].unit
-    if any(one.kind.place == "transmission" for one in final.model.hypotheses):
+    acting = (*regression.equations.given.hypotheses, *final.model.hypotheses)
+    if any(one.kind.place == "transmission" for one in acting):
         return []  # what the links do at rest is not seen
     friction = regression.equations.friction(final.model, final.x, regression.motions[0])[:, 1]
     found = []
     for j in range(regression.arm.n_joint):
         if any(one.kind.holds and j in one.joints for one in final.model.hypotheses):
             continue
-        coulomb = abs(float(friction[j]))
+        # What the arm is known to stick with, its simulation has already.
+        coulomb = max(abs(float(friction[j])), regression.arm.joints[j].friction.static_N_m)
         sets = [_held(regression, final, known, j, learn) for learn in (True, False)]
         torque, noise = (np.concatenate(column) for column in zip(*sets, strict=True))
         rms = float(np.sqrt(np.mean(np.concatenate([motion.u[:, j] for motion in regression.motions]) ** 2)))

@@ -123,6 +123,10 @@ class Elasticity(TransmissionHypothesis):
         """Return stiffness and damping."""
         return np.array([1.0 / psi[0], psi[1] / psi[0]])
 
+    def psi_of(self, numbers: Floats) -> Floats:
+        """Return compliance and settling time."""
+        return np.array([1.0 / numbers[0], numbers[1] / numbers[0]])
+
 
 @functools.lru_cache(maxsize=256)
 def _unit_twist(torque: bytes, settling_s: float, dt_s: float) -> Floats:

@@ -68,7 +68,7 @@ def friction_at(arm: Arm, friction: Floats, states: Floats) -> tuple[Floats, Flo
         kind = catalogue()[effect.name]
         if kind.torque is None:
             continue
-        row = np.array([number(effect.parameters, parameter.name) for parameter in kind.parameters])
+        row = np.array([number(effect.parameters, parameter.name) for parameter in kind.numbers])
         for j in (joint - 1 for joint in effect.joints):
             both = []
             for way in (1.0, -1.0):

@@ -92,7 +92,7 @@ def explained_torque(arm: Arm, trial: Trial, u: Floats) -> Floats:
     if not arm.effects:
         return rigid
     t = trial.began_s + trial.t
-    return rigid + resisting_torque(arm, trial.q, trial.dq, trial.ddq, u, t, trial.number)
+    return rigid + resisting_torque(arm, trial.q, trial.dq, trial.ddq, u, t, trial.identity)
 
 
 def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
@@ -160,7 +160,7 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
                 trial.dq[start],
                 torque=torque[window],
                 t0_s=trial.began_s + start * trial.dt_s,
-                trial=trial.number,
+                trial=trial.identity,
             )
             simulated[start + 1 : window.stop] = motion.q[1:]
     elif trial.trimmed and {"q", "ref"} <= set(trial.whole):
@@ -168,7 +168,7 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
         begins_s = trial.began_s - trial.trimmed * trial.dt_s
         drives = drives_of(trial.whole)
         whole = simulate(
-            arm, trial.whole["ref"], trial.dt_s, q0, dq0, t0_s=begins_s, trial=trial.number, drives=drives
+            arm, trial.whole["ref"], trial.dt_s, q0, dq0, t0_s=begins_s, trial=trial.identity, drives=drives
         ).q
         off = _or_infinite(whole) - trial.whole["q"]
         if not np.isfinite(off).all():
@@ -182,7 +182,7 @@ def motion_error(arm: Arm, trial: Trial, horizon_s: float = HORIZON_S) -> Floats
             trial.q[0],
             trial.dq[0],
             t0_s=trial.began_s,
-            trial=trial.number,
+            trial=trial.identity,
             drives=trial.drives,
         ).q
     return _or_infinite(simulated) - trial.q
@@ -217,7 +217,7 @@ def best_start(arm: Arm, trial: Trial) -> Floats:
             q0,
             dq0,
             t0_s=window.began_s,
-            trial=trial.number,
+            trial=trial.identity,
             drives=window.drives,
         ).q
         return np.nan_to_num(q - window.measured, nan=1e3, posinf=1e3, neginf=-1e3).ravel()

@@ -61,7 +61,7 @@ def without_effects(arm: Arm, trials: Sequence[Trial], objective: Objective = "t
     def bare(trial: Trial) -> Trial:
         def known(q: Floats, dq: Floats, ddq: Floats, tau: Floats, t: Floats) -> Floats:
             air = inverse_dynamics(acting, q, dq, ddq) - inverse_dynamics(still, q, dq, ddq)
-            return air + resisting_torque(arm, q, dq, ddq, tau, t, trial.number)
+            return air + resisting_torque(arm, q, dq, ddq, tau, t, trial.identity)
 
         return without_torque(trial, known)
 

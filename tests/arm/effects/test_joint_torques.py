@@ -44,7 +44,7 @@ def test_it_is_as_defined(name, seed):
     rng = np.random.default_rng(seed)
     state = np.array([rng.uniform(0, 3), *rng.normal(size=2), 0.0, *rng.normal(size=3)])
     state[3] = np.sign(state[2])
-    numbers = rng.uniform(0.1, 2.0, len(catalogue()[name].parameters))
+    numbers = rng.uniform(0.1, 2.0, len(catalogue()[name].numbers))
     if name in ("end_stop", "passive_tissue"):  # the side is the last
         numbers[-1] = rng.choice([-1.0, 1.0])
     (torque,) = torque_along(catalogue()[name], numbers, state[None])

@@ -142,5 +142,5 @@ def test_trials_keep_their_numbers_where_these_differ(tmp_path, labels, numbers,
         Measured("m", "m.csv", 0, np.arange(2.0), {}, labels=labels and np.array([label, label]))
         for label in labels or (None, None)
     ]
-    assert [trial.number(place) for place, trial in enumerate(trials, 1)] == numbers
+    assert [trial.identity(place).number for place, trial in enumerate(trials, 1)] == numbers
     assert trial_column(trials) == column

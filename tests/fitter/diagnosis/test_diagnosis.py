@@ -35,6 +35,23 @@ def test_the_extended_arm_moves_like_the_real_one(dragged):
     assert finding.gain.ci95[0] < finding.gain.torque < finding.gain.ci95[1]
 
 
+def test_the_extended_arm_lacks_nothing(dragged):
+    motions = swings((DRAG,), trials=4)
+    again = diagnose(dragged.finding.arm, motions[:2], motions[2:]).finding
+    assert again.verdict == "none"
+    assert again.arm.effects == dragged.finding.arm.effects
+    assert again.before.angle_mean_deg == pytest.approx(dragged.finding.after.angle_mean_deg, rel=0.05)
+
+
+def test_a_delay_found_replaces_the_one_in_the_file():
+    delays = [Effect("actuator_delay", {"delay_s": size}, joints=(1,)) for size in (0.03, 0.012)]
+    motions = swings((delays[0],), trials=4)
+    finding = diagnose(replace(pendulum(), effects=(delays[1],)), motions[:2], motions[2:]).finding
+    (late,) = finding.arm.effects
+    assert late.name == "actuator_delay" and late.parameters["delay_s"] == pytest.approx(0.03, rel=0.03)
+    assert finding.after.angle_mean_deg < 0.5 * finding.before.angle_mean_deg
+
+
 def test_rivals_are_ranked_behind_the_cause(dragged):
     candidates = dragged.finding.candidates
     assert candidates[0].effect == "quadratic_drag"

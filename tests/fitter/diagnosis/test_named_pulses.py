@@ -18,7 +18,7 @@ def motions(began):
     """Return trials that follow each other on the run's clock, and begin on the file's as given."""
     t = np.arange(TRIMMED_S, LASTS_S - TRIMMED_S, 0.01)
     return [
-        SimpleNamespace(t=k * LASTS_S + t, trial=SimpleNamespace(name=f"trial {k}", t=t, began_s=began_s))
+        SimpleNamespace(t=k * LASTS_S + t, trial=SimpleNamespace(name=f"trial {k}"), ahead_s=k * LASTS_S - began_s)
         for k, began_s in enumerate(began)
     ]
 
