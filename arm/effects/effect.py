@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 from numbers import Real
 from typing import Literal
 
-from arm.model import Arm, Effect, Floats, Joint, Marker, Sensor, Vector3
+from arm.model import Arm, Effect, Floats, Joint, JointType, Marker, Sensor, Vector3
 
 #: Where an effect acts: it resists one joint's motion; it changes links, joints or gravity; it changes the torque
 #: on its way from the controller to the joint; it lies between the angle that is measured and that of the link;
@@ -34,6 +34,7 @@ class Parameter:
     name : str
         It carries its unit, such as ``stiffness_N_m_rad``.
     unit : str
+        At a joint that turns, see `unit_at`.
     low, high : float
         What it may be.
     linear : bool
@@ -55,6 +56,17 @@ class Parameter:
     neutral: float | None = None
     optional: bool = False
     several: bool = False
+
+    @property
+    def is_phase(self) -> bool:
+        """Whether it is the phase of a wave, an angle whatever the joint does."""
+        return self.name == "phase_rad"
+
+    def unit_at(self, joint: JointType) -> str:
+        """Return its unit at a joint of a type: one that slides goes metres where others turn by radians."""
+        if joint == "revolute" or self.is_phase:
+            return self.unit
+        return self.unit.replace("kg m^2", "kg").replace("N m", "N").replace("rad", "m")
 
 
 @dataclass(frozen=True)

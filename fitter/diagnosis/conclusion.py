@@ -198,15 +198,15 @@ def _tried(regression: Regression, search: Search, held: Sequence[StaticFriction
     """Return every hypothesis that was tried with the base model, by its gain on the evaluating trials."""
     held_out = np.array([not motion.learn for motion in regression.motions])
     was = max(float(search.screening_base.squares[held_out].sum()), np.finfo(np.float64).tiny)
-    listed = [
-        Tried(
-            one.hypothesis.kind.name,
-            tuple(j + 1 for j in one.hypothesis.joints),
-            float(np.clip(1.0 - one.squares[held_out].sum() / was, 0.0, 1.0)),
-            share if search.causes else 0.0,
-        )
-        for one, share in zip(search.first, search.support, strict=True)
-    ]
+
+    def tried(one: Candidate, support: float) -> Tried:
+        joints = tuple(j + 1 for j in one.hypothesis.joints)
+        gain = float(np.clip(1.0 - one.squares[held_out].sum() / was, 0.0, 1.0))
+        return Tried(one.hypothesis.kind.name, joints, gain, support)
+
+    options = zip(search.first, search.support, strict=True)
+    listed = [tried(one, share if search.causes else 0.0) for one, share in options]
+    listed += [tried(one, 0.0) for one in search.in_vain]
     listed += [Tried(STICTION, (one.joint + 1,), float(np.clip(one.gain, 0.0, 1.0)), 1.0) for one in held]
     return sorted(listed, key=lambda one: -one.gain)
 

@@ -183,6 +183,7 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
         likelihood.floor,
         base_floor,
         from_all,
+        likelihood.in_vain,
     )
 
 

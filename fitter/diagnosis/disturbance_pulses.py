@@ -13,7 +13,7 @@ from scipy.ndimage import binary_dilation, binary_opening
 
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
-from arm.model import Floats
+from arm.model import Floats, JointType
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.evidence import blocks_of
 from fitter.diagnosis.holding_torque import friction_at_rest
@@ -79,10 +79,9 @@ class DisturbancePulses(Hypothesis):
             return tuple(names)
         return tuple(f"{name}_{k + 1}" for k in range(len(self.found)) for name in names)
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Of each."""
-        return tuple(parameter.unit for parameter in self.kind.numbers) * len(self.found)
+    def units_at(self, joint: JointType) -> tuple[str, ...]:
+        """Return those of each, at joints of a type."""
+        return super().units_at(joint) * len(self.found)
 
 
 def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:

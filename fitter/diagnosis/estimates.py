@@ -72,7 +72,7 @@ def estimates(regression: Regression, fitted: Candidate, covariance: Floats | No
     for hypothesis, psi in zip(model.hypotheses, model.psi, strict=True):
         own = np.r_[at : at + hypothesis.n_column, psi_at : psi_at + len(psi)]
         factors = fitted.x[at : at + hypothesis.n_column]
-        effects.append(_numbers(hypothesis, psi, factors, covariance[np.ix_(own, own)], regression.motions))
+        effects.append(_numbers(regression, hypothesis, psi, factors, covariance[np.ix_(own, own)]))
         at, psi_at = at + hypothesis.n_column, psi_at + len(psi)
     return Estimates(base, values, errors, tuple(effects), covariance)
 
@@ -138,17 +138,19 @@ def generic_arm(arm: Arm, tilted: Arm) -> Arm:
 
 
 def _numbers(
-    hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats, motions: list[Motion]
+    regression: Regression, hypothesis: Hypothesis, psi: Floats, factors: Floats, covariance: Floats
 ) -> dict[str, FittedParameter]:
     values = hypothesis.numbers(psi, factors)
     turns = _slopes_of(hypothesis, np.concatenate([factors, psi]))
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
     is_undetermined = np.isnan(np.diag(covariance))
     variance[np.any(turns[:, is_undetermined] != 0.0, axis=1)] = np.nan
-    std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
+    std = np.sqrt(variance + hypothesis.hidden(regression.motions, values) ** 2)
     return {
         name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
-        for name, value, error, unit in zip(hypothesis.names, values, std, hypothesis.units, strict=True)
+        for name, value, error, unit in zip(
+            hypothesis.names, values, std, hypothesis.units(regression.arm), strict=True
+        )
     }
 
 

@@ -13,7 +13,7 @@ from arm.physical_links import is_possible, link_parameters
 from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
 from fitter.diagnosis.estimates import Estimates, generic_arm
-from fitter.diagnosis.model import Candidate, Hypothesis, Model, replaces
+from fitter.diagnosis.model import Candidate, Hypothesis, Model, is_one
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
 from fitter.dynamics.physical import nearest_possible
@@ -151,7 +151,7 @@ def given_effects(arm: Arm, model: Model) -> list[Effect]:
         As `fitter.diagnosis.given_effects.acting_arm` has it.
     model : Model
     """
-    gone = {(one.kind.name, j + 1) for one in model.hypotheses if replaces(one.kind) for j in one.joints}
+    gone = {(one.kind.name, j + 1) for one in model.hypotheses if is_one(one.kind) for j in one.joints}
     return [one for one in arm.effects if not gone.intersection((one.name, joint) for joint in one.joints)]
 
 

@@ -22,7 +22,7 @@ from arm.model import Arm, Effect, Floats
 from fitter.diagnosis.arm_hypotheses import FrictionDrift, drag_column
 from fitter.diagnosis.hypotheses import made
 from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on
-from fitter.diagnosis.model import ActionOrder, Hypothesis, Model, replaces
+from fitter.diagnosis.model import ActionOrder, Hypothesis, Model, is_one
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.payload import tip_mass_column
 from fitter.diagnosis.torque.pulse import pulse_means
@@ -143,7 +143,7 @@ def _given(effect: Effect) -> list[tuple[Hypothesis, Floats]]:
     numbers = np.array(list(values.values()))
     if kind.name == "rotor_inertia":
         return [(GivenRotor(kind, joint, numbers[0]), np.zeros(0)) for joint in joints]
-    if kind.place in ("drive", "transmission"):
+    if is_one(kind):
         return [(one := made(kind, (joint,)), one.psi_of(numbers)) for joint in joints]
     if depends_on(kind, COULOMB):
         return [(FrictionDrift(kind, (joint,)), numbers) for joint in joints]
@@ -165,7 +165,7 @@ def acting_arm(arm: Arm, motions: Sequence[Motion]) -> Arm:
         kind = catalogue()[effect.name]
         if kind.base or kind.change is not None or kind.place in ("sensor", "marker"):
             continue
-        if kind.place in ("drive", "transmission"):  # one of them may be replaced
+        if is_one(kind):  # those of some joints may be replaced
             acting += [replace(effect, joints=(joint,)) for joint in effect.joints]
         else:
             acting.append(effect)
@@ -207,7 +207,7 @@ def _beside(effects: Sequence[Effect], found: Sequence[Effect]) -> list[Effect]:
         gone = {
             joint
             for one in found
-            if one.name == effect.name and (replaces(catalogue()[one.name]) or one.name == _STICTION)
+            if one.name == effect.name and (is_one(catalogue()[one.name]) or one.name == _STICTION)
             for joint in one.joints
         }
         left = tuple(joint for joint in effect.joints if joint not in gone)

@@ -110,7 +110,7 @@ class JointHypothesis(Hypothesis):
             return values
         (k,), (linear,), parameter = self._folded, self._linear, self.kind.parameters[self._folded[0]]
         first, second = (float(one) for one in factors)
-        if _is_phase(parameter):
+        if parameter.is_phase:
             values[linear], values[k] = np.hypot(first, second), np.arctan2(second, first)
             return values
         values[linear] = size = first + second
@@ -166,7 +166,7 @@ class JointHypothesis(Hypothesis):
         return values
 
     def _two_values(self, k: int) -> tuple[float, float]:
-        return (0.0, np.pi / 2.0 if _is_phase(self.kind.parameters[k]) else 1.0)
+        return (0.0, np.pi / 2.0 if self.kind.parameters[k].is_phase else 1.0)
 
     def _plane(self, others: list[int]) -> list[int]:
         """Return the one parameter, if any, whose torques are made of those at two of its values."""
@@ -177,7 +177,7 @@ class JointHypothesis(Hypothesis):
             if self.kind.parameters[k].low > 0.0:
                 continue
             at = 0.5 * sum(self._two_values(k))
-            parts = (np.cos(at), np.sin(at)) if _is_phase(self.kind.parameters[k]) else (1.0 - at, at)
+            parts = (np.cos(at), np.sin(at)) if self.kind.parameters[k].is_phase else (1.0 - at, at)
             sets = np.repeat(values[None], 3, axis=0)
             sets[:, k] = *self._two_values(k), at
             first, second, between = torques_along(self.kind, sets, _probe()).T
@@ -209,10 +209,6 @@ def _moving(states: Floats, way: float) -> Floats:
     moved = states.copy()
     moved[:, DIRECTION] = way
     return moved
-
-
-def _is_phase(parameter: Parameter) -> bool:
-    return parameter.name == "phase_rad"
 
 
 def _probe() -> Floats:

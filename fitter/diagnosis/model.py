@@ -11,7 +11,7 @@ from enum import IntEnum, auto
 import numpy as np
 
 from arm.effects.effect import EffectKind
-from arm.model import Floats
+from arm.model import Arm, Floats, JointType
 from fitter.diagnosis.least_squares import SLOPE
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 
@@ -37,6 +37,11 @@ class ActionOrder(IntEnum):
     FRICTION = auto()
     SCALE = auto()
     GIVEN = auto()
+
+
+def is_one(kind: EffectKind) -> bool:
+    """Say whether a joint has one effect of a kind at most, as between torque and link."""
+    return kind.place in ("drive", "transmission")
 
 
 class Hypothesis(ABC):
@@ -121,6 +126,11 @@ class Hypothesis(ABC):
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion as it is if this hypothesis holds too."""
 
+    def replaces(self, other: "Hypothesis") -> bool:
+        """Say whether it takes the place of another one, for there is only one of its kind at a joint."""
+        alike = is_one(self.kind) and self.kind.name == other.kind.name
+        return alike and bool(set(self.joints) & set(other.joints))
+
     def psi_of(self, numbers: Floats) -> Floats:
         """Return psi (n_psi,) from the effect's own parameters, of a hypothesis without columns."""
         return np.array(numbers)
@@ -150,15 +160,13 @@ class Hypothesis(ABC):
         """Names of the parameters that `numbers` returns."""
         return tuple(parameter.name for parameter in self.kind.numbers)
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Units of the parameters that `numbers` returns."""
-        return tuple(parameter.unit for parameter in self.kind.numbers)
+    def units_at(self, joint: JointType) -> tuple[str, ...]:
+        """Return units of the parameters that `numbers` returns, at joints of a type."""
+        return tuple(parameter.unit_at(joint) for parameter in self.kind.numbers)
 
-
-def replaces(kind: EffectKind) -> bool:
-    """Say whether one effect of a kind replaces another at its joint: between torque and link there is one."""
-    return kind.place in ("drive", "transmission")
+    def units(self, arm: Arm) -> tuple[str, ...]:
+        """Return units of the parameters that `numbers` returns, at its joints."""
+        return self.units_at(arm.joints[self.joints[0]].type if self.joints else "revolute")
 
 
 #: A psi of less than this is moved as if it were this large: a milliradian, a millisecond.
@@ -178,16 +186,7 @@ class Model:
 
     def beside(self, other: "Model") -> "Model":
         """Return this model without what another one has in its stead."""
-        return self.only(
-            [
-                not any(
-                    one.kind.name == own.kind.name and set(one.joints) & set(own.joints)
-                    for one in other.hypotheses
-                    if replaces(one.kind)
-                )
-                for own in self.hypotheses
-            ]
-        )
+        return self.only([not any(one.replaces(own) for one in other.hypotheses) for own in self.hypotheses])
 
     def without(self, k: int) -> "Model":
         """Return this model without its k-th hypothesis."""

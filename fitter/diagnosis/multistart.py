@@ -82,14 +82,17 @@ class Multistart:
         return np.stack([np.concatenate(one) for one in columns], axis=1)
 
     def best(self, hypothesis: Hypothesis, rounds: int = 4) -> Best:
-        """Return the start of a hypothesis that lowers the sum of squares most; gradual ones take some rounds."""
+        """Return the start of a hypothesis that lowers the sum of squares most.
+
+        Gradual ones take some rounds, and those that replace what the arm has: from its numbers on.
+        """
         if hypothesis.nothing and (hardly := self._hardly(hypothesis)):
             return hardly
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:N_REFINED]]
-        if hypothesis.is_gradual:
+        if hypothesis.is_gradual or self._replaced(hypothesis):
             model = self._model.plus(hypothesis, psi)
             psi = refined(self._regression, model, self._motions, len(self._model.hypotheses), rounds).psi[-1]
             gain = self._gain(hypothesis, psi)
@@ -157,7 +160,13 @@ class Multistart:
         if isinstance(hypothesis, JointHypothesis) and "frequency_hz" in hypothesis.psi_names:
             residual = self._residual.reshape(-1, self._regression.arm.n_joint)[:, hypothesis.joints[0]]
             return peaks(residual, self._motions, self._regression.weighting)
-        return hypothesis.starts(self._run if hypothesis.is_event else self._motions)
+        starts = hypothesis.starts(self._run if hypothesis.is_event else self._motions)
+        return np.vstack([*self._replaced(hypothesis), starts])
+
+    def _replaced(self, hypothesis: Hypothesis) -> list[Floats]:
+        """Return the psi of those that the arm has and that a hypothesis replaces."""
+        given = self._regression.equations.given
+        return [psi for one, psi in zip(given.hypotheses, given.psi, strict=True) if hypothesis.replaces(one)]
 
     def _gains_in_run(self, hypothesis: Hypothesis, starts: Floats) -> list[float]:
         """Return the gains of what need not show in the learning trials, by all trials."""

@@ -11,7 +11,7 @@ import numpy as np
 
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
-from arm.model import Floats
+from arm.model import Floats, JointType
 from arm.regressor import regressor
 from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
 from fitter.diagnosis.model import Hypothesis, Model
@@ -76,9 +76,8 @@ class Payload(Hypothesis):
         """The mass alone is a number with an error."""
         return ("mass_kg",)
 
-    @property
-    def units(self) -> tuple[str, ...]:
-        """Of the mass."""
+    def units_at(self, joint: JointType) -> tuple[str, ...]:
+        """Return that of the mass."""
         return ("kg",)
 
 

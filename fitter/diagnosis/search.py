@@ -62,7 +62,7 @@ class Search:
     screening_base : Candidate
         The base model as `first` was held against it.
     first : sequence of Candidate
-        Every hypothesis added to the base model alone, the likeliest first.
+        Every hypothesis that was an option added to the base model alone, the likeliest first.
     support : sequence of float
         Of each of these.
     floor : Floor
@@ -71,6 +71,8 @@ class Search:
         Of the base model.
     from_all : bool
         Whether evaluating trials were learnt from, too.
+    in_vain : sequence of Candidate
+        What was tried with the base model and was no option, see `TorqueLikelihood`.
     """
 
     base: Candidate
@@ -82,6 +84,7 @@ class Search:
     floor: Floor
     base_floor: Floor
     from_all: bool = False
+    in_vain: Sequence[Candidate] = ()
 
 
 def cause_of(place: int, steps: Sequence[Step]) -> Cause:

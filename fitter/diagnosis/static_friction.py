@@ -56,7 +56,7 @@ def static_frictions(regression: Regression, final: Candidate, covariance: Float
         Of what was learnt: where the arm's own torque at rest is uncertain, a rest has little information.
     """
     known = np.nan_to_num(covariance)
-    unit = catalogue()[EFFECT].parameters[0].unit
+    (level,) = catalogue()[EFFECT].parameters
     acting = (*regression.equations.given.hypotheses, *final.model.hypotheses)
     if any(one.kind.place == "transmission" for one in acting):
         return []  # what the links do at rest is not seen
@@ -79,6 +79,7 @@ def static_frictions(regression: Regression, final: Candidate, covariance: Float
         learnt = float(sets[0][0].max(initial=coulomb))
         was, remaining = (float(np.sum(np.maximum(sets[1][0] - level, 0.0) ** 2)) for level in (coulomb, learnt))
         gain = 1.0 - remaining / was if was > 0.0 else 0.0
+        unit = level.unit_at(regression.arm.joints[j].type)
         found.append(StaticFriction(j, FittedParameter((1.0 + _MORE) * largest, error, unit, True), gain))
     return found
 

@@ -53,6 +53,9 @@ class TorqueLikelihood:
         Under the weights that were used last.
     floor, base_floor : Floor
         Of the model by which these were made, and of the base model.
+    in_vain : list of Candidate
+        What was tried with the base model and is no option: it explains next to nothing, only impossible numbers
+        would, or its size does not differ from none.
     """
 
     def __init__(
@@ -66,6 +69,7 @@ class TorqueLikelihood:
     ) -> None:
         self.regression = regression
         self.floor = self.base_floor = Floor(*np.ones((3, regression.arm.n_joint)))
+        self.in_vain: list[Candidate] = []
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         self._events = events
         measured = all(motion.trial.tau is not None for motion in regression.motions)
@@ -85,6 +89,9 @@ class TorqueLikelihood:
         tried = [one for one in self._tried if one.key not in known]
         found = self._screen(self.regression, accepted, tried, self._starts, self._progress)
         better = [one for one in found if one.squares is not accepted.squares and self._is_significant_event(one)]
+        if not accepted.model.hypotheses:
+            options = {id(one) for one in better}
+            self.in_vain = [one for one in found if id(one) not in options]
         return sorted(map(self.fit_of, better), key=penalised_log_likelihood, reverse=True)
 
     def _is_significant_event(self, candidate: Candidate) -> bool:

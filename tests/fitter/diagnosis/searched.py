@@ -50,4 +50,5 @@ def searched(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Regre
         supports(found.first),
         likelihood.floor,
         likelihood.base_floor,
+        in_vain=likelihood.in_vain,
     )

@@ -7,6 +7,7 @@ import pytest
 
 from arm.model import Body, Effect
 from fitter.diagnosis.diagnosis import _UNSEEN, diagnose
+from fitter.diagnosis.hypotheses import hypotheses
 from limbcal.errors import DataError
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
@@ -57,6 +58,12 @@ def test_rivals_are_ranked_behind_the_cause(dragged):
     assert candidates[0].effect == "quadratic_drag"
     assert all(0.0 <= one.gain <= 1.0 and 0.0 <= one.support <= 1.0 for one in candidates)
     assert [one.gain for one in candidates] == sorted((one.gain for one in candidates), reverse=True)
+
+
+def test_every_effect_that_was_tried_is_a_candidate(dragged):
+    named = {(one.effect, one.joints) for one in dragged.finding.candidates}
+    tried = {(one.kind.name, tuple(j + 1 for j in one.joints)) for one in hypotheses(1)}
+    assert tried - named == set()
 
 
 def test_the_document_has_the_contracts_fields(dragged):

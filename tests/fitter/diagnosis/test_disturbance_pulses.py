@@ -30,5 +30,7 @@ def test_each_of_several_has_its_own_numbers():
     pushes, nothing = DisturbancePulses(KIND, 0, [PULSE, OTHER]), np.zeros(0)
     assert pushes.numbers(nothing, nothing).tolist() == [1.0, 0.2, 5.0, 1.5, 0.4, -6.0]
     assert pushes.hidden([], np.zeros(6)).tolist() == [0.01, 0.02, 0.3] * 2
-    assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units) == 6
+    assert (
+        pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units_at("revolute")) == 6
+    )
     assert DisturbancePulses(KIND, 0, [PULSE]).names == ("start_s", "duration_s", "torque_N_m")
