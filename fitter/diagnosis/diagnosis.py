@@ -16,13 +16,13 @@ from fitter.data.trial import Trial, undriven
 from fitter.data.trial_filter import FIT_CORNER
 from fitter.diagnosis.conclusion import concluded, finding_of
 from fitter.diagnosis.cutoff import chatter, corner_hz
-from fitter.diagnosis.disturbance_pulses import with_pulses
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.given_effects import acting_arm, as_in_file, given_model
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses, living_ranges
 from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
+from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.polish import polished
@@ -30,7 +30,7 @@ from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.screening import events, screen
-from fitter.diagnosis.search import Cause, Search, cause_of, supports
+from fitter.diagnosis.search import Search, cause_of, supports
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from fitter.dynamics.evaluation import HORIZON_S
@@ -160,23 +160,16 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
     if from_all:
         motions = [replace(motion, learn=True) for motion in motions]
         likelihood, search, found = _found(equations, motions, say)
-    base_floor, regression, final = likelihood.base_floor, likelihood.regression, found.final.candidate
+    base_floor = likelihood.base_floor
     if not likelihood.is_exact(found.final, everywhere=True):
-        final = with_pulses(
-            regression, final, lambda: [(one.candidate, cost) for one, cost in search.possible(found.final)]
-        )
-    causes = [cause_of(place, found.steps) for place in range(len(found.steps))]
-    for place in range(len(causes), len(final.model.hypotheses)):
-        causes.append(Cause(place, found.final.candidate, final))
-    if len(causes) > len(found.steps):
-        likelihood.reweigh(final)
-        regression = likelihood.regression
+        found = _with_pushes(likelihood, search, found)
+    regression, model = likelihood.regression, found.final.candidate.model
     base = fitted(regression, Model())
-    final = fitted(regression, final.model) if final.model.hypotheses else base
+    final = fitted(regression, model) if model.hypotheses else base
     return likelihood, Search(
         base,
         final,
-        causes,
+        [cause_of(place, found.steps) for place in range(len(found.steps))],
         found.base.candidate,
         [one.candidate for one in found.first],
         supports(found.first),
@@ -185,6 +178,28 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
         from_all,
         likelihood.in_vain,
     )
+
+
+def _with_pushes(likelihood: TorqueLikelihood, search: Stepwise, found: Found) -> Found:
+    """Return what a search has found with the pushes that its model misses, as far as these are causes.
+
+    The least evident of them go until the others are accepted as any cause is.
+    """
+    final = found.final
+    pushes = missed_pulses(
+        likelihood.regression,
+        final.candidate,
+        lambda: [(one.candidate, cost) for one, cost in search.possible(final)],
+    )
+    tried = list(pushes)
+    while tried:
+        more = fitted_with_pulses(likelihood.regression, final.candidate, tried)
+        if accepted := search.extended(found, likelihood.fit_of(more)):
+            return accepted
+        tried.remove(min(tried, key=lambda one: one.evidence))
+    if pushes:  # the weights are those of what was not accepted
+        found = replace(found, final=likelihood.reweighted(final))
+    return found
 
 
 def _found(

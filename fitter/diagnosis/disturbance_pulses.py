@@ -1,75 +1,110 @@
 """Disturbance pulses: their times are part of the finding, as those of loads are (`payload`).
 
 They are sought over the whole run, learning and evaluating trials alike, for a trial that was not affected says
-nothing of them, and one that was cannot be predicted from others.
+nothing of them, and one that was cannot be predicted from others (`missed_pulses`).
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.ndimage import binary_dilation, binary_opening
 
-from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats, JointType
-from fitter.data.derivatives import lowpass
-from fitter.diagnosis.evidence import blocks_of
-from fitter.diagnosis.holding_torque import friction_at_rest
-from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, TINY, Normal
-from fitter.diagnosis.model import Candidate, Hypothesis
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS
+from fitter.diagnosis.model import Hypothesis
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
-from fitter.diagnosis.refinement import fitted
-from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.torque.pulse import Pulse, pulse_means
-from fitter.diagnosis.torque.pulses import find_pulses, residual_log_evidence
-from fitter.diagnosis.torque.residual_torque import ResidualTorque
+from fitter.diagnosis.sharp_columns import behind_filter
+from fitter.diagnosis.torque.pulse import Pulse, pulse_area
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
+#: So far an end may move from where it was found, as a share of the duration: a push never vanishes.
+_MOVES = 0.45
 
 
 class DisturbancePulses(Hypothesis):
     """Some pushes at one joint.
+
+    Each has its impulse as a factor: of a short push that is known better than torque and duration. The psi are its
+    start and its end, if they are seen: how far they are from where they were found, in durations, from 1.
 
     Parameters
     ----------
     kind : EffectKind
     joint : int
     found : sequence of Pulse
-        On the run's clock. They are known torques: their size is what the search found beside the coloured
-        background, which a fit of white residuals does not know.
+        On the run's clock.
     """
 
     is_event = True
     is_inertial = False
     is_intermittent = True
     is_noisy = False
+    is_sized_by_factors = True
 
     def __init__(self, kind: EffectKind, joint: int, found: Sequence[Pulse]) -> None:
         super().__init__(kind, (joint,))
         self.found = tuple(found)
+        self.n_column = len(self.found)
+        #: Whether start and end of each are seen, (n_pulse, 2).
+        self._seen = np.array([one.unseen_s for one in self.found]).reshape(-1, 2) == 0.0
 
     @property
-    def n_number(self) -> int:
-        """Start, duration and torque of each."""
-        return len(_NUMBERS) * len(self.found)
+    def low(self) -> Floats:
+        """How far the ends may move back, (n_psi,)."""
+        return np.full(np.count_nonzero(self._seen), 1.0 - _MOVES)
+
+    @property
+    def high(self) -> Floats:
+        """How far they may move on, (n_psi,)."""
+        return np.full(np.count_nonzero(self._seen), 1.0 + _MOVES)
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return where they were found, (1, n_psi)."""
+        return np.ones((1, np.count_nonzero(self._seen)))
+
+    def log_places(self, motions: Sequence[Motion]) -> float:
+        """Return the logarithm of the number of samples at which each may begin."""
+        return float(len(self.found) * np.log(sum(len(motion.t) for motion in motions)))
+
+    def _places(self, psi: Floats) -> Floats:
+        """Return start and duration of each push, (n_pulse, 2) [s]."""
+        moved = np.ones(self._seen.shape)
+        moved[self._seen] = psi
+        lasting = np.array([one.duration_s for one in self.found])
+        ends = np.array([(one.start_s, one.ends_s) for one in self.found]) + (moved - 1.0) * lasting[:, None]
+        return np.stack([ends[:, 0], ends[:, 1] - ends[:, 0]], axis=1)
 
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
-        """Return a motion that the pushes drove, too."""
-        u, motion = hypothetical.u.copy(), hypothetical.motion
-        for one in self.found:
-            shape = pulse_means(motion.t, motion.dt_s, one.start_s, one.duration_s, one.form)
-            u[:, self.joints[0]] += one.torque_N_m * shape
-        return replace(hypothetical, u=u)
+        """Return a motion with what an impulse of 1 N m s of each push asks of the drive."""
+        column = np.zeros((*hypothetical.q.shape, len(self.found)))
+        for k, (one, (start_s, duration_s)) in enumerate(zip(self.found, self._places(psi), strict=True)):
+            column[:, self.joints[0], k] = -behind_filter(
+                hypothetical.motion,
+                lambda t, at=(start_s, duration_s, one.form): pulse_area(t, *at) / at[1],
+                (start_s - duration_s, start_s + 2.0 * duration_s),
+            )
+        return replace(hypothetical, columns=(*hypothetical.columns, column))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return start, duration and torque of each push."""
-        return np.ravel([[getattr(one, name) for name in _NUMBERS] for one in self.found])
+        places = self._places(psi)
+        return np.column_stack([places, factors / places[:, 1]]).ravel()
 
     def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
-        """Return the standard errors with which the pushes were found: the fit has no number of theirs."""
-        return np.ravel([[one.start_std, one.duration_std, one.torque_std] for one in self.found])
+        """Return standard errors of what no fit shows: an end where nothing is known, and the other form."""
+        before, after = np.array([one.unseen_s for one in self.found]).T / np.sqrt(12.0)  # uniform there
+        form = np.array([one.form_std for one in self.found])
+        start, lasting = np.hypot(form[:, 0], before), np.sqrt(form[:, 1] ** 2 + before**2 + after**2)
+        return np.column_stack([start, lasting, form[:, 2]]).ravel()
+
+    def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
+        """Say which numbers are known: of a push whose duration may be zero only when it was."""
+        known = np.isfinite(std).reshape(-1, len(_NUMBERS))
+        lasts = np.reshape(values - EQUAL_SIGMAS * std, known.shape)[:, 1] > 0.0
+        known[:, 1:] &= lasts[:, None]
+        return np.asarray(known.ravel())
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -82,162 +117,3 @@ class DisturbancePulses(Hypothesis):
     def units_at(self, joint: JointType) -> tuple[str, ...]:
         """Return those of each, at joints of a type."""
         return super().units_at(joint) * len(self.found)
-
-
-def robustly_fitted(regression: Regression, candidate: Candidate) -> Candidate:
-    r"""Return a model with factors fitted robustly to all trials, its psi as they are.
-
-    The residual of a joint in a block of a second follows Student's distribution of n dimensions, so a block
-    counts ``u = (nu + n) / (nu + chi^2 / s^2)`` with ``s^2 = sum u chi^2 / sum n``, in turn with the factors
-    (Lange, Little and Taylor 1989). What moves an arm for a moment has little say then.
-
-    Parameters
-    ----------
-    regression : Regression
-    candidate : Candidate
-        Fitted by least squares.
-    """
-    model, x = candidate.model, candidate.x
-    if regression.density is None or not len(x):
-        return candidate
-    motions = regression.motions
-    rows = [regression.rows(model, motion) for motion in motions]
-    designs = [one.design.reshape(*one.target.shape, -1) for one in rows]
-    stride = regression.weighting.stride
-    blocks = [blocks_of(len(one.target), stride * motion.dt_s) for motion, one in zip(motions, rows, strict=True)]
-    counts = [np.bincount(block).astype(np.float64)[:, None] for block in blocks]
-    numbers, total = float(regression.n_effective.sum()), sum(one.target.size for one in rows)
-    variance = np.inf
-    for _ in range(ITERATIONS):
-        squares = [_in_blocks(one.residual(x) ** 2, block) for one, block in zip(rows, blocks, strict=True)]
-        weights = [_weights(square, count, variance) for square, count in zip(squares, counts, strict=True)]
-        was, summed = variance, sum(float(np.sum(u * square)) for u, square in zip(weights, squares, strict=True))
-        variance = max(summed / total, TINY)
-        if abs(was - variance) < NEGLIGIBLE * variance:
-            break
-        parts = zip(designs, (one.target for one in rows), weights, blocks, strict=True)
-        normal = _normal([(design, target, u[block]) for design, target, u, block in parts])
-        counted = sum(float(np.sum(u * count)) for u, count in zip(weights, counts, strict=True))
-        x = regression.density.solve(normal, numbers * counted / total, x, model, motions)
-    return replace(candidate, x=x, squares=regression.squares(model, x))
-
-
-def _in_blocks(squares: Floats, block: NDArray[np.intp]) -> Floats:
-    """Return the sums of rows (n, n_joint) over blocks, (n_block, n_joint)."""
-    sums = np.zeros((int(block[-1]) + 1, squares.shape[1]))
-    np.add.at(sums, block, squares)
-    return sums
-
-
-def _weights(squares: Floats, counts: Floats, variance: float, freedom: float = 4.0) -> Floats:
-    """Return how much each block of each joint counts by Student's likelihood, (n_block, n_joint).
-
-    With 4 degrees of freedom it hardly loses anything to a normal one, and is not misled (Lange et al. 1989).
-    """
-    if not np.isfinite(variance):
-        return np.ones_like(squares)
-    return np.asarray((freedom + counts) / (freedom + squares / variance))
-
-
-def _normal(parts: list[tuple[Floats, Floats, Floats]]) -> Normal:
-    """Return the normal equations of weighted rows: of design, target and weights of each motion."""
-    gram = sum(np.einsum("rji,rj,rjk->ik", design, u, design, optimize=True) for design, _, u in parts)
-    rhs = sum(np.einsum("rji,rj->i", design, u * target) for design, target, u in parts)
-    square = sum(float(np.sum(u * target**2)) for _, target, u in parts)
-    return Normal(np.asarray(gram), np.asarray(rhs), square)
-
-
-def with_pulses(
-    regression: Regression, final: Candidate, possible: Callable[[], Sequence[tuple[Candidate, float]]] = tuple
-) -> Candidate:
-    """Return a model with the pushes that are found in what it misses; the same if there is none.
-
-    The residual of a cause that was just too weak to be accepted is no push: a push is also likelier than not
-    given each model that is not excluded, unless all pushes together are a hundred times likelier than that model.
-
-    Parameters
-    ----------
-    regression : Regression
-    final : Candidate
-        With all causes that always act.
-    possible : callable, optional
-        Returns models with one cause more that are not excluded, and what that cause costs [nats].
-    """
-    found = _found(regression, final, ODDS_NATS)
-    for other, cost in possible() if found else ():
-        likely = _found(regression, other, 0.0)
-        kept = [one for one in found if any(map(one.overlaps, likely))]
-        if len(kept) < len(found) and cost + _gain(regression, (final, found), (other, likely)) < ODDS_NATS:
-            found = kept
-        if not found:
-            break
-    return fitted_with_pulses(regression, final, found)
-
-
-def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse]:
-    """Return the pushes in what a model misses whose log odds are large enough, the model fitted with them."""
-    candidate, known = robustly_fitted(regression, final), list[list[tuple[int, int]]]()
-    while True:  # pushes bend the parameters of the model that they are sought in
-        found = find_pulses(residual_torques(regression, _without_pulses(final, candidate)), least)
-        candidate = fitted_with_pulses(regression, final, found)
-        places = [(one.trial, one.joint) for one in found]
-        if not places or places in known:
-            return found
-        known.append(places)
-
-
-def _gain(
-    regression: Regression, one: tuple[Candidate, list[Pulse]], other: tuple[Candidate, list[Pulse]]
-) -> float:
-    """Return by how much the residual of a model with pushes is likelier than another's, where both are known."""
-    residuals = []
-    for model, found in (one, other):
-        candidate = robustly_fitted(regression, fitted_with_pulses(regression, model, found))
-        residuals.append(residual_torques(regression, _without_pulses(model, candidate)))
-    known = [a.known & b.known for a, b in zip(*residuals, strict=True)]
-    shared = [
-        [replace(trial, known=where) for trial, where in zip(trials, known, strict=True)] for trials in residuals
-    ]
-    return residual_log_evidence(shared[0], one[1]) - residual_log_evidence(shared[1], other[1])
-
-
-def _without_pulses(final: Candidate, candidate: Candidate) -> Candidate:
-    """Return a model that was fitted with pushes without them, its other numbers as they are."""
-    n_hypothesis = len(final.model.hypotheses)
-    return replace(
-        candidate, model=candidate.model.only([k < n_hypothesis for k in range(len(candidate.model.hypotheses))])
-    )
-
-
-def fitted_with_pulses(regression: Regression, final: Candidate, found: Sequence[Pulse]) -> Candidate:
-    """Return a model with some pulses, fitted together with them; the same if there is none."""
-    model, kind = final.model, catalogue()["external_push"]
-    for joint in sorted({one.joint for one in found}):
-        model = model.plus(
-            DisturbancePulses(kind, joint, [one for one in found if one.joint == joint]), np.zeros(0)
-        )
-    return fitted(regression, model, refine=False) if found else final
-
-
-def residual_torques(regression: Regression, final: Candidate) -> list[ResidualTorque]:
-    """Return what a model misses in every trial, within the band of its equations: a push has its own sign.
-
-    Of a joint that rests for longer than the filter's reach nothing is known. Where it only turns back, all but
-    its friction is.
-    """
-    own = regression.sensors
-    angle_noise = np.sqrt(np.diag(own.acceleration_noise))
-    trials = []
-    for motion in regression.motions:
-        residual = regression.equations.residual_torque(final.model, final.x, motion)
-        r, torque = (lowpass(column, motion.dt_s, own.band_hz, "even") for column in (-residual, motion.u))
-        reach = round(0.5 / (own.band_hz * motion.dt_s))  # so far the filter looks: half a period of its corner
-        near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
-        guessed = regression.hypothetical(final.model, motion).guessed[:, None]
-        rests = binary_opening(motion.stuck, near)
-        known = ~binary_dilation(rests | guessed, near, border_value=1)
-        stuck = lowpass(motion.stuck.astype(np.float64), motion.dt_s, own.band_hz, "even")
-        friction = friction_at_rest(regression.equations, final.model, final.x, motion)
-        noises = own.band_hz, own.torque_noise, angle_noise
-        trials.append(ResidualTorque(motion.t, r, known, torque, *noises, friction, np.clip(stuck, 0.0, 1.0)))
-    return trials

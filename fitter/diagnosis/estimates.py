@@ -111,7 +111,7 @@ def _sizes(hypothesis: Hypothesis, both: Floats) -> tuple[Floats, Floats]:
     """Return how far the parameters in which an effect's torque is linear are from nothing, and their slopes."""
     kinds = {parameter.name: parameter for parameter in hypothesis.kind.parameters}
     linear = [k for k, name in enumerate(hypothesis.names) if name in kinds and kinds[name].linear]
-    if not linear:
+    if hypothesis.is_sized_by_factors or not linear:
         return both[: hypothesis.n_column], np.eye(hypothesis.n_column, len(both))
     n = hypothesis.n_column
     neutral = np.array([kinds[hypothesis.names[k]].neutral or 0.0 for k in linear])
@@ -145,12 +145,13 @@ def _numbers(
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
     is_undetermined = np.isnan(np.diag(covariance))
     variance[np.any(turns[:, is_undetermined] != 0.0, axis=1)] = np.nan
-    std = np.sqrt(variance + hypothesis.hidden(regression.motions, values) ** 2)
+    std = np.sqrt(variance + hypothesis.hidden(motions, values) ** 2)
+    known = hypothesis.determined(values, std)
+    std = np.where(known, std, np.nan)
+    columns = hypothesis.names, values, std, hypothesis.units(regression.arm), known
     return {
-        name: FittedParameter(float(value), float(error), unit, bool(np.isfinite(error)))
-        for name, value, error, unit in zip(
-            hypothesis.names, values, std, hypothesis.units(regression.arm), strict=True
-        )
+        name: FittedParameter(float(value), float(error), unit, bool(one))
+        for name, value, error, unit, one in zip(*columns, strict=True)
     }
 
 

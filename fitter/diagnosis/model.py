@@ -9,6 +9,7 @@ from dataclasses import dataclass, replace
 from enum import IntEnum, auto
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.effects.effect import EffectKind
 from arm.model import Arm, Floats, JointType
@@ -81,6 +82,8 @@ class Hypothesis(ABC):
     distorts = False
     #: It depends on how large the torque is that arrives.
     depends_on_torque = False
+    #: Its factors say how large it is, whatever its parameters.
+    is_sized_by_factors = False
     #: psi scales noise, or turns the columns among themselves: what noise makes of them depends on it.
     mixes_noise = False
     #: The share of psi over which is asked what a change of it makes: more where little changes jump.
@@ -150,6 +153,10 @@ class Hypothesis(ABC):
     def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
         """Return standard errors, (n_number,), of what these motions hide from any fit, such as times at rest."""
         return np.zeros(len(values))
+
+    def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
+        """Say which of its numbers (n_number,) are known, by their standard errors; NaN is no error."""
+        return np.isfinite(std)
 
     def part_of(self, motion: Motion) -> object:
         """Return when it acts in a motion, in terms that compare equal where it does so alike."""

@@ -143,6 +143,22 @@ class Stepwise:
         fit, steps = self._confirmed(*self._exchanged(fit, steps))
         return Found(base, fit, tuple(steps), first)
 
+    def extended(self, found: Found, fit: Fit) -> Found | None:
+        """Return what was found with hypotheses that were sought in another way; None unless they are accepted.
+
+        Parameters
+        ----------
+        found : Found
+        fit : Fit
+            Its final model, with these as its last.
+        """
+        fit = self._likelihood.reweighted(fit)
+        hypotheses, first = fit.candidate.model.hypotheses, len(found.steps)
+        without = [self._likelihood.without(fit, place) for place in range(first, len(hypotheses))]
+        more = [Step(one, fit, before, 0.0) for one, before in zip(hypotheses[first:], without, strict=True)]
+        accepted = self._accepted(fit, list(found.steps), more)
+        return None if accepted is None else replace(found, final=accepted[0], steps=tuple(accepted[1]))
+
     def possible(self, fit: Fit) -> list[tuple[Fit, float]]:
         """Return a model with one hypothesis more, for all that are not a hundred times less likely than it.
 

@@ -36,6 +36,10 @@ class Pulse:
     log_likelihood_ratio, evidence : float [nats]
         Under the background in which it was found: at its likeliest, and integrated over the prior of its size and
         summed over all places in its trial.
+    unseen_s : (float, float) [s]
+        For how long nothing is known about its start and its end: they lie somewhere there. 0 where they are seen.
+    form_std : (float, float, float)
+        Standard errors of start, duration and torque by which form it has.
     """
 
     trial: int
@@ -50,6 +54,8 @@ class Pulse:
     form: str
     log_likelihood_ratio: float
     evidence: float
+    unseen_s: tuple[float, float] = (0.0, 0.0)
+    form_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def impulse(self) -> float:
@@ -76,16 +82,23 @@ class Pulse:
         return self.start_s + self.duration_s
 
 
+def are_same(some: Sequence[Pulse], others: Sequence[Pulse]) -> bool:
+    """Say whether two searches have found the same pulses: as many, and each overlaps one of the other."""
+    return len(some) == len(others) and all(any(map(one.overlaps, others)) for one in some)
+
+
 def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
     """Return the means of a pulse of size one over the steps about each instant, (n,)."""
+    place = start_s, duration_s, form
+    return np.asarray((pulse_area(t + 0.5 * step_s, *place) - pulse_area(t - 0.5 * step_s, *place)) / step_s)
 
-    def area(until: Floats) -> Floats:
-        if form == "rectangular":
-            return np.clip(until - start_s, 0.0, duration_s)
-        u = np.clip((until - start_s) / (2.0 * duration_s) + 0.25, 0.0, 1.0)
-        return np.asarray(duration_s * (u - np.sin(2.0 * np.pi * u) / (2.0 * np.pi)))
 
-    return np.asarray((area(t + 0.5 * step_s) - area(t - 0.5 * step_s)) / step_s)
+def pulse_area(until: Floats, start_s: float, duration_s: float, form: str) -> Floats:
+    """Return the area of a pulse of size one until each instant, (n,) [s]."""
+    if form == "rectangular":
+        return np.clip(until - start_s, 0.0, duration_s)
+    u = np.clip((until - start_s) / (2.0 * duration_s) + 0.25, 0.0, 1.0)
+    return np.asarray(duration_s * (u - np.sin(2.0 * np.pi * u) / (2.0 * np.pi)))
 
 
 def seen(rows: Rows, start_s: float, duration_s: float, form: str) -> tuple[int, Floats]:
@@ -131,11 +144,15 @@ def either(forms: Sequence[Pulse]) -> Pulse:
     def apart(of: Callable[[Pulse], float]) -> float:
         return float(np.sqrt(np.average([(of(form) - of(one)) ** 2 for form in forms], weights=weight)))
 
+    start, lasting, torque = (
+        apart(of) for of in (lambda form: form.start_s, lambda form: form.duration_s, lambda form: form.torque_N_m)
+    )
     return replace(
         one,
-        start_std=float(np.hypot(one.start_std, apart(lambda form: form.start_s))),
-        duration_std=float(np.hypot(one.duration_std, apart(lambda form: form.duration_s))),
-        torque_std=float(np.hypot(one.torque_std, apart(lambda form: form.torque_N_m))),
+        form_std=(start, lasting, torque),
+        start_std=float(np.hypot(one.start_std, start)),
+        duration_std=float(np.hypot(one.duration_std, lasting)),
+        torque_std=float(np.hypot(one.torque_std, torque)),
         impulse_std=float(np.hypot(one.impulse_std, apart(lambda form: form.impulse))),
     )
 

@@ -107,7 +107,8 @@ class Search:
         laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
         # Places on the grid and between its points are equally likely beforehand: the mean of both evidences.
         mean = float(np.logaddexp(evidence, laplace) - np.log(2.0))
-        return Pulse(self.trial, self.joint, start, lasting, size, *errors, form, ratio, mean)
+        found = start, lasting, size, *errors
+        return Pulse(self.trial, self.joint, *found, form, ratio, mean, (before, after))
 
     def _errors(
         self, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05

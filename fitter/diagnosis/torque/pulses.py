@@ -14,9 +14,9 @@ import numpy as np
 from scipy.optimize import brentq
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, NEGLIGIBLE, ODDS_NATS, ROUNDED
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
-from fitter.diagnosis.torque.pulse import Pulse, Shapes, in_rows
+from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, in_rows
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -99,16 +99,20 @@ def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> l
 
 
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
-    """Return one joint's pulses; if the background of all blocks hides them all, by that of the usual ones.
+    """Return one joint's pulses, sought by the background of all blocks and by that of the usual ones.
 
-    All of them together are likelier than a background without any: the least evident ones go until they are.
+    A large pulse is taken for background by that of all blocks, where lesser ones may be found in its stead. So
+    the likelier of both answers is returned. All of its pulses together are likelier than a background without
+    any: the least evident ones go until they are.
     """
-    whole = estimated(rows)
-    found = _found_with(whole, rows, joint, n_joint, odds)
-    found = found or _found_with(_usual(whole, rows), rows, joint, n_joint, odds)
-    while found and _joint_log_evidence(rows, found, whole, n_joint) <= odds:
-        found.remove(min(found, key=lambda pulse: pulse.evidence))
-    return found
+    whole, answers = estimated(rows), list[tuple[float, list[Pulse]]]()
+    for background in (whole, _usual(whole, rows)):
+        found = _found_with(background, rows, joint, n_joint, odds)
+        while found and (nats := _joint_log_evidence(rows, found, whole, n_joint)) <= odds:
+            found.remove(min(found, key=lambda pulse: pulse.evidence))
+        if found:
+            answers.append((nats, found))
+    return max(answers, key=lambda answer: answer[0])[1] if answers else []
 
 
 def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
@@ -153,22 +157,34 @@ def _found_with(
     """Return one joint's pulses, sought against a background first.
 
     Pulses that are taken for background hide each other. So all that are likelier than not are taken out, and the
-    background is estimated anew, as long as that shows more. Of these, those are found that are so likely as any
-    cause must be, each held against the background that is likeliest without it.
+    background is estimated anew, until the same are found again; those with the likeliest background count. Of
+    these, those are found that are so likely as any cause must be, each held against the background that is
+    likeliest without it.
     """
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
-    n_place, likely = _n_place(rows, n_joint), list[Pulse]()
-    while True:
-        nu = background.degrees_of_freedom
+    n_place = _n_place(rows, n_joint)
+
+    def sought(background: Background, known: int) -> tuple[list[Pulse], Floats, float]:
+        """Return the pulses beside some that are known, the evidence of all other blocks, and the least of one."""
+        nu, least = background.degrees_of_freedom, _log_places(n_place, known + 1)
         searches = [Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
-        least = _log_places(n_place, len(likely) + 1)
-        more = [pulse for search in searches for pulse in search.found(least)]
-        if len(more) <= len(likely):
-            break
-        likely = more
-        background = estimated(_without(rows, likely), background)
-    remaining = np.concatenate([search.evidence_by_block() for search in searches])
+        pulses = [pulse for search in searches for pulse in search.found(least)]
+        return pulses, np.concatenate([search.evidence_by_block() for search in searches]), least
+
+    rounds = list[tuple[float, list[Pulse], Background]]()
+    likely, remaining, least = sought(background, 0)
+    while likely and len(rounds) < ITERATIONS and not any(are_same(likely, pulses) for _, pulses, _ in rounds):
+        without = _without(rows, likely)
+        background = estimated(without, background)
+        nats = log_likelihood(background, without) - _cost(rows, likely, n_joint)
+        rounds.append((nats, likely, background))
+        likely, remaining, least = sought(background, len(likely))
+    if not rounds:
+        return []
+    _, likely, likeliest = max(rounds, key=lambda one: one[0])
+    if likeliest is not background:
+        background, (_, remaining, least) = likeliest, sought(likeliest, len(likely))
     tail = Tail.of(remaining, least)
     places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(remaining), 1))
 

@@ -1,4 +1,4 @@
-"""Pushes as a hypothesis: known torques, and names that tell them apart."""
+"""Pushes as a hypothesis: impulses and ends that are fitted, and names that tell them apart."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -16,21 +16,48 @@ PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, 0.1, "rectangular", 20.0, 15
 OTHER = replace(PULSE, start_s=1.5, duration_s=0.4, torque_N_m=-6.0, form="bell")
 
 
-def test_a_push_is_a_torque_beside_the_drives():
-    q = np.zeros((300, 2))
-    motion = SimpleNamespace(t=0.01 * np.arange(300), dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
-    hypothetical = DisturbancePulses(KIND, 1, [PULSE, OTHER]).act(as_measured(motion, None), np.zeros(0))
-    assert np.all(hypothetical.u[:, 0] == 1.0)
-    assert hypothetical.u[110, 1] == pytest.approx(6.0)
-    assert (hypothetical.u[:, 1] - 1.0).sum() * motion.dt_s == pytest.approx(5.0 * 0.2 - 6.0 * 0.4)
-    assert np.all(motion.u == 1.0)
+def acting(hypothesis, psi):
+    t, q = 0.01 * np.arange(300), np.zeros((300, 2))
+    trial = SimpleNamespace(t=t, dt_s=0.01, cutoff_hz=np.inf, trimmed=0)
+    motion = SimpleNamespace(trial=trial, t=t, dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
+    hypothetical = hypothesis.act(as_measured(motion, None), psi)
+    assert np.all(hypothetical.u == 1.0)
+    return hypothetical.columns[0]
+
+
+def test_a_push_is_an_impulse_beside_the_drives():
+    pushes = DisturbancePulses(KIND, 1, [PULSE, OTHER])
+    columns = acting(pushes, pushes.starts([])[0])
+    assert columns.shape == (300, 2, 2) and np.all(columns[:, 0] == 0.0)
+    np.testing.assert_allclose(0.01 * columns[:, 1].sum(axis=0), -1.0)
+    assert columns[110, 1, 0] == pytest.approx(-1.0 / 0.2)
+
+
+def test_its_ends_move_with_psi():
+    push = DisturbancePulses(KIND, 0, [PULSE])
+    assert push.n_number == 3 and np.all(push.low < 1.0) and np.all(push.high > 1.0)
+    column = acting(push, np.array([0.9, 1.2]))[:, 0, 0]
+    assert np.flatnonzero(column)[[0, -1]].tolist() == [98, 124]
+    assert push.numbers(np.array([0.9, 1.2]), np.array([0.52])) == pytest.approx([0.98, 0.26, 2.0])
+
+
+def test_an_unseen_end_is_not_fitted():
+    push = DisturbancePulses(KIND, 0, [replace(PULSE, unseen_s=(0.12, 0.0))])
+    assert push.n_number == 2
+    assert push.numbers(np.array([1.5]), np.array([1.5])) == pytest.approx([1.0, 0.3, 5.0])
+    assert push.hidden([], np.zeros(3)) == pytest.approx([0.12 / np.sqrt(12.0), 0.12 / np.sqrt(12.0), 0.0])
+
+
+def test_a_duration_that_may_be_zero_is_not_determined():
+    pushes, values = DisturbancePulses(KIND, 0, [PULSE, OTHER]), np.array([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
+    std = np.array([0.01, 0.11, 2.0, 0.01, 0.1, 2.0])
+    assert pushes.determined(values, std).tolist() == [True, False, False, True, True, True]
 
 
 def test_each_of_several_has_its_own_numbers():
-    pushes, nothing = DisturbancePulses(KIND, 0, [PULSE, OTHER]), np.zeros(0)
-    assert pushes.numbers(nothing, nothing).tolist() == [1.0, 0.2, 5.0, 1.5, 0.4, -6.0]
-    assert pushes.hidden([], np.zeros(6)).tolist() == [0.01, 0.02, 0.3] * 2
-    assert (
-        pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units_at("revolute")) == 6
-    )
+    pushes = DisturbancePulses(KIND, 0, [PULSE, OTHER])
+    assert pushes.numbers(np.ones(4), np.array([1.0, -2.4])) == pytest.approx([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
+    assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units_at("revolute")) == 6
     assert DisturbancePulses(KIND, 0, [PULSE]).names == ("start_s", "duration_s", "torque_N_m")
+    samples = [SimpleNamespace(t=np.zeros(500))] * 2
+    assert pushes.log_places(samples) == pytest.approx(2.0 * np.log(1000.0))

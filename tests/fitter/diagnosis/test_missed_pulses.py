@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from arm.model import Effect
-from fitter.diagnosis.disturbance_pulses import fitted_with_pulses, residual_torques, with_pulses
 from fitter.diagnosis.estimates import estimates
+from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses, residual_torques
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
@@ -15,12 +15,17 @@ from tests.fitter.diagnosis.searched import swinging
 PUSHES = ((10.2, 0.4, 1.5), (19.4, 0.5, -1.2))
 
 
+def with_pulses(regression, base):
+    return fitted_with_pulses(regression, base, missed_pulses(regression, base))
+
+
+def pushed(numbers):
+    names = "start_s", "duration_s", "torque_N_m"
+    return Effect("external_push", dict(zip(names, numbers, strict=True)), joints=(1,))
+
+
 def run(*pushes):
-    effects = [
-        Effect("external_push", {"start_s": start, "duration_s": lasts, "torque_N_m": torque}, joints=(1,))
-        for start, lasts, torque in pushes
-    ]
-    likelihood = TorqueLikelihood(swinging(*effects), [], screen)
+    likelihood = TorqueLikelihood(swinging(*map(pushed, pushes)), [], screen)
     base = likelihood.base()
     return likelihood.regression, base.candidate
 
@@ -74,14 +79,19 @@ def test_what_a_possible_cause_explains_is_no_push(hit, explained):
     places = zip((3, 6), PUSHES[:explained], strict=False)
     pulses = [Pulse(k, 0, *push, 0.01, 0.01, 0.02, 0.01, "rectangular", 100.0, 90.0) for k, push in places]
     cause = fitted_with_pulses(regression, base, pulses)
-    found = with_pulses(regression, base, lambda: [(cause, 0.0)])
-    starts_s = [one.start_s for hypothesis in found.model.hypotheses for one in hypothesis.found]
-    assert starts_s == pytest.approx([start_s for start_s, *_ in PUSHES[explained:]], abs=0.06)
+    found = missed_pulses(regression, base, lambda: [(cause, 0.0)])
+    assert [one.start_s for one in found] == pytest.approx(
+        [start_s for start_s, *_ in PUSHES[explained:]], abs=0.06
+    )
 
 
-def test_the_errors_of_a_push_hold():
-    """A single place tells of it: the search's errors are those of the coloured background about it."""
-    regression, base = run((10.2, 0.25, 0.3))
-    (numbers,) = estimates(regression, with_pulses(regression, base)).effects
+def test_the_errors_of_a_push_hold_in_the_fit_with_all_other_numbers():
+    """Its numbers are sought beside masses and friction, under weights that it no longer makes coarse."""
+    likelihood = TorqueLikelihood(swinging(pushed((10.2, 0.25, 0.3))), [], screen)
+    base = likelihood.base().candidate
+    pushes = with_pulses(likelihood.regression, base)
+    found = likelihood.reweighted(likelihood.fit_of(pushes))
+    assert likelihood.is_exact(found, everywhere=True)
+    (numbers,) = estimates(likelihood.regression, found.candidate).effects
     for name, value in (("start_s", 10.2), ("duration_s", 0.25), ("torque_N_m", 0.3)):
         assert abs(numbers[name].value - value) < 3.5 * numbers[name].std < value

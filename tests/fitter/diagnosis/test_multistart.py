@@ -82,7 +82,7 @@ def test_beside_an_event_a_start_is_judged_by_all_trials():
     nothing = Pulse(0, 0, 1.0, 0.3, 0.0, 0.01, 0.01, 0.01, 0.01, "bell", 0.0, 0.0)
     push = DisturbancePulses(catalogue()["external_push"], 0, [nothing])
     alone, beside = (
-        Multistart(regression, model, Starts()) for model in (Model(), Model().plus(push, np.zeros(0)))
+        Multistart(regression, model, Starts()) for model in (Model(), Model().plus(push, push.starts([])[0]))
     )
     assert alone.best(hypothesis).gain < 0.01 * beside.best(hypothesis).gain
     assert beside.best(hypothesis).psi == pytest.approx([0.8], abs=0.1)

@@ -82,6 +82,20 @@ def test_what_is_a_hundred_times_less_likely_is_not_possible(seed):
 
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
+def test_what_was_sought_elsewhere_is_judged_as_any_cause(seed):
+    A, noise = drawn(seed, 3)
+    likelihood = LinearLikelihood(A, A[:, 0] + A[:, 1] + noise, [Columns(0)])
+    search = Stepwise(likelihood, 1, MOST)
+    found = search.run()
+    more = search.extended(found, likelihood.fit_of(*found.final.candidate.model.hypotheses, Columns(1)))
+    assert more is not None and columns_of(more) == [(0,), (1,)]
+    assert more.steps[1].before.candidate.model.hypotheses == found.final.candidate.model.hypotheses
+    assert more.steps[1].log_evidence > 0.0
+    assert search.extended(found, likelihood.fit_of(*found.final.candidate.model.hypotheses, Columns(2))) is None
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
 def test_what_later_ones_make_needless_goes(seed):
     """A blend of two true columns comes first, and explains nothing once both of them are known."""
     A, noise = drawn(seed, 5)

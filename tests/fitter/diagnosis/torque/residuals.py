@@ -5,6 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from arm.model import Floats
+from fitter.data.derivatives import lowpass
 from fitter.diagnosis.torque.pulse import pulse_means
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -32,3 +33,11 @@ def trial(rng: np.random.Generator, pulses: Sequence[tuple[float, float, float, 
     known = np.ones((len(t), 1), dtype=bool)
     noise = np.array([0.005]), np.array([0.0])
     return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise, *np.zeros((2, len(t), 1)))
+
+
+def filtered_pulse(start_s: float, duration_s: float, size: float, form: str, parts: int = 8) -> Floats:
+    """Return a pulse as rows have it, (n,): behind the band's filter, the mean of some parts of each step."""
+    fine_s = STEP_S / parts
+    t = (np.arange(parts * round(LASTS_S / STEP_S)) - 0.5 * (parts - 1)) * fine_s
+    samples = lowpass(size * pulse_means(t, fine_s, start_s, duration_s, form), fine_s, BAND_HZ)
+    return np.asarray(samples.reshape(-1, parts).mean(axis=1))

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Effect
-from fitter.diagnosis.disturbance_pulses import robustly_fitted
+from fitter.diagnosis.robust_fit import robustly_fitted
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 from tests.fitter.diagnosis.searched import swinging
