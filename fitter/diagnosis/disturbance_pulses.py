@@ -26,8 +26,8 @@ _MOVES = 0.45
 class DisturbancePulses(Hypothesis):
     """Some pushes at one joint.
 
-    Each has its impulse as a factor: of a short push that is known better than torque and duration. The psi are its
-    start and its end, if they are seen: how far they are from where they were found, in durations, from 1.
+    Each has its impulse as a factor: of a short push that is known better than torque and duration. The psi are
+    its start and its end, if they are seen: how far they are from where they were found, in durations, from 1.
 
     Parameters
     ----------

@@ -51,8 +51,8 @@ def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse
     """Return the pushes in what a model misses whose log odds are large enough.
 
     Pushes bend the parameters of the model that they are sought in. So it is fitted anew beside those that were
-    found, robustly, for some may yet be missed; and they are sought anew until the same are found again. Those that
-    make the residual likeliest are returned: a later round may have lost what an earlier one had found.
+    found, robustly, for some may yet be missed; and they are sought anew until the same are found again. Those
+    that make the residual likeliest are returned: a later round may have lost what an earlier one had found.
     """
     rounds = list[tuple[float, list[Pulse]]]()
     found = list[Pulse]()
