@@ -2,6 +2,11 @@
 
 from protocol.schema_parts import Schema, by_name, one
 
+_SIZES: Schema = {
+    name: {"type": ["number", "null"], "description": "over all trials; null where the simulation ran away"}
+    for name in ("mean", "rms", "max")
+}
+
 _ERRORS: Schema = {
     "torque_rms_N_m": {"type": "array", "items": {"type": "number"}, "description": "one a joint [N m or N]"},
     "torque_rms_unfiltered_N_m": {
@@ -10,11 +15,14 @@ _ERRORS: Schema = {
         "description": "the same of the torque as it was measured, noise included; null where none was",
     },
     "angle_error_deg": {
-        **one("object", "of simulated against measured angles; null where the simulation ran away", "deg"),
-        "properties": {
-            name: {"type": ["number", "null"], "description": "over all trials [deg]"}
-            for name in ("mean", "rms", "max")
-        },
+        "type": ["object", "null"],
+        "description": "of simulated against measured angles [deg]; null where no joint turns",
+        "properties": _SIZES,
+    },
+    "position_error_m": {
+        "type": ["object", "null"],
+        "description": "the same of joints that slide [m]; null where none does",
+        "properties": _SIZES,
     },
 }
 
@@ -95,7 +103,12 @@ DIAGNOSIS_FIELDS: Schema = {
         "properties": {
             "torque": one("number", "of the torque"),
             "angle": {"type": ["number", "null"], "description": "of the simulated angles"},
-            "ci95": {"type": "array", "items": {"type": "number"}, "description": "interval of the torque's"},
+            "position": {"type": ["number", "null"], "description": "of the simulated positions"},
+            "ci95": {
+                "type": ["array", "null"],
+                "items": {"type": "number"},
+                "description": "interval of the torque's; null where the evaluating trials are too short",
+            },
         },
     },
     "polished": one("boolean", "whether numbers moved by simulated motion were kept"),

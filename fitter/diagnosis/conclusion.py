@@ -13,7 +13,7 @@ from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.extended_arm import extended_arm
 from fitter.diagnosis.finding import Conclusion, Finding, NamedCause, Polished, ResidualSize, Tried
 from fitter.diagnosis.held_out import judged, likeness, torque_residual
-from fitter.diagnosis.held_out_error import Errors, gain
+from fitter.diagnosis.held_out_error import NO_INTERVAL, Errors, gain
 from fitter.diagnosis.model import Candidate, Hypothesis
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.next_experiment import next_experiment
@@ -85,6 +85,7 @@ def finding_of(
         extended = sticking(extended, come_to.held)
     before = judged(regression, search.base, base_arm, judging, horizon_s)
     after = before if extended is base_arm else judged(regression, final, extended, judging, horizon_s)
+    fall = gain(before, after)
     believed = final is not search.base or search.final is search.base
     effects = sorted({cause.effect for cause in causes})
     confusable = [] if final is search.base else _confusable(search)
@@ -100,7 +101,7 @@ def finding_of(
         next_experiment=next_experiment(verdict, effects, joints, come_to.discrepancy.depends_on),
         before=before,
         after=after,
-        gain=gain(before, after),
+        gain=fall,
         discrepancy=come_to.discrepancy,
         structure=float(np.max(search.base_floor.ratio)) - 1.0,
         polish=polish,
@@ -108,6 +109,7 @@ def finding_of(
         arm=extended,
         notes=[
             *([alike] if (alike := likeness(regression)) is not None else []),
+            *([NO_INTERVAL] if fall.ci95 is None else []),
             *(note for motion in motions for note in of_source(motion.trial.notes, motion.trial.name)),
         ],
         suspected=suspected,

@@ -6,6 +6,7 @@ nothing of them, and one that was cannot be predicted from others (`missed_pulse
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,10 @@ from fitter.diagnosis.torque.pulse import Pulse, pulse_area
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
 #: So far an end may move from where it was found, as a share of the duration: a push never vanishes.
 _MOVES = 0.45
+
+
+def _area(until: Floats, place: tuple[float, float, str]) -> Floats:
+    return pulse_area(until, *place)
 
 
 class DisturbancePulses(Hypothesis):
@@ -80,11 +85,9 @@ class DisturbancePulses(Hypothesis):
         """Return a motion with what an impulse of 1 N m s of each push asks of the drive."""
         column = np.zeros((*hypothetical.q.shape, len(self.found)))
         for k, (one, (start_s, duration_s)) in enumerate(zip(self.found, self._places(psi), strict=True)):
-            column[:, self.joints[0], k] = -behind_filter(
-                hypothetical.motion,
-                lambda t, at=(start_s, duration_s, one.form): pulse_area(t, *at) / at[1],
-                (start_s - duration_s, start_s + 2.0 * duration_s),
-            )
+            place, near = (start_s, duration_s, one.form), (start_s - duration_s, start_s + 2.0 * duration_s)
+            area = behind_filter(hypothetical.motion, partial(_area, place=place), near)
+            column[:, self.joints[0], k] = -area / duration_s
         return replace(hypothetical, columns=(*hypothetical.columns, column))
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:

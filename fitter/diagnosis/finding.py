@@ -101,15 +101,16 @@ class Polished:
     @property
     def sentence(self) -> str:
         """What was done, what it gained, and what follows."""
-        angles = [
-            f"{size:.3g}°" if np.isfinite(size) else "away"
-            for size in (self.before.angle_mean_deg, self.after.angle_mean_deg)
-        ]
+        what, sizes, unit = "angles", [one.angle_deg for one in (self.before, self.after)], "°"
+        if sizes[0] is None:
+            what, sizes, unit = "positions", [one.position_m for one in (self.before, self.after)], " m"
+        means = [one["mean"] for one in sizes if one is not None]
+        moved = [f"{size:.3g}{unit}" if np.isfinite(size) else "away" for size in means]
         torque = [", ".join(f"{size:.3g}" for size in one.torque_rms) for one in (self.before, self.after)]
         kept = "the moved numbers are kept" if self.kept else "so the numbers of the torque's equations stand"
         return (
             "the numbers were moved by the simulated motion of the learning trials; on the trials held back the "
-            f"angles' mean error went from {angles[0]} to {angles[1]} and the torque's rms from {torque[0]} to "
+            f"{what}' mean error went from {moved[0]} to {moved[1]} and the torque's rms from {torque[0]} to "
             f"{torque[1]}: {kept}"
         )
 

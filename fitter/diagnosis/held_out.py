@@ -20,6 +20,7 @@ from arm.effects.effect_table import ROTOR, changed, effect_table
 from arm.model import Arm, Floats
 from arm.newton_euler import mass_matrix
 from arm.simulation import simulate
+from fitter.diagnosis.evidence import blocks_of
 from fitter.diagnosis.held_out_error import Errors, Judged
 from fitter.diagnosis.least_squares import ROUNDED
 from fitter.diagnosis.model import Candidate, Model
@@ -132,30 +133,34 @@ def judged(
     horizon_s : float
         With measured or no torque, how long a simulation runs before it starts anew from the data.
     """
-    turning = np.array([joint.type == "revolute" for joint in arm.joints])
-    torque, raw, angle = list[Floats](), list[Floats](), []
+    turns = np.array([joint.type == "revolute" for joint in arm.joints])
+    torque, trial, raw, off = list[Floats](), list[int](), list[Floats](), list[Floats]()
     angles = side_by_side(lambda motion: simulated(arm, motion, horizon_s), motions)
-    for motion, followed in zip(motions, angles, strict=True):
+    for k, (motion, followed) in enumerate(zip(motions, angles, strict=True)):
         residual = torque_residual(regression, fitted, motion)
         seen = smooth(residual, motion.dt_s, regression.weighting.seen_hz)
-        torque.append(np.array([np.nansum(seen**2, axis=0), np.sum(np.isfinite(seen), axis=0)]))
+        starts = np.flatnonzero(np.diff(blocks_of(len(seen), motion.dt_s), prepend=-1))
+        both = np.stack([np.nan_to_num(seen) ** 2, np.isfinite(seen)])
+        torque.append(np.add.reduceat(both, starts, axis=1))
+        trial += [k] * len(starts)
         whole = unfiltered(np.where(np.isfinite(seen), residual, np.nan), motion)
         if whole is not None:
             raw.append(np.nansum(whole**2, axis=0))
-        off = np.abs(followed - motion.trial.q)[:, turning]
+        apart = np.abs(followed - motion.trial.q)
         # So far off less than a millionth of a turn is left in an angle: it has run away.
-        off = np.where(off < 1.0 / np.sqrt(ROUNDED), off, np.inf)
-        angle.append((np.sum(off**2), np.sum(off), off.max(initial=0.0), off.size))
-    squares, sums, worst, count = (np.array(column) for column in zip(*angle, strict=True))
+        off.append(np.where(apart < 1.0 / np.sqrt(ROUNDED), apart, np.inf))
     driven = any(np.any(motion.u) for motion in motions)
+    squares, counts = np.concatenate(torque, axis=1)
     return Errors(
-        np.array(torque)[:, 0],
-        np.array(torque)[:, 1],
-        np.array(raw) if driven and len(raw) == len(motions) else None,
         squares,
-        sums,
-        worst,
-        count.astype(np.float64),
+        counts,
+        np.array(trial, dtype=np.intp),
+        np.array(raw) if driven and len(raw) == len(motions) else None,
+        np.array([np.sum(one**2, axis=0) for one in off]),
+        np.array([np.sum(one, axis=0) for one in off]),
+        np.array([np.max(one, axis=0, initial=0.0) for one in off]),
+        np.array([np.full(len(turns), len(one), dtype=np.float64) for one in off]),
+        turns,
         angles,
     )
 

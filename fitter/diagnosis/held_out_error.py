@@ -5,9 +5,18 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import CONFIDENCE
+from limbcal.note import Note
+
+#: Fewest blocks with an interval: of three the draw of one of them thrice has 3.7 %, more than either tail.
+LEAST_BLOCKS = 4
+NO_INTERVAL = Note(
+    "short",
+    f"the evaluating trials last less than {LEAST_BLOCKS} blocks of about a second: the gain has no interval",
+)
 
 
 @dataclass(frozen=True)
@@ -16,26 +25,32 @@ class Errors:
 
     Attributes
     ----------
-    torque_square : (n_trial, n_joint)
-        Sum of squares of the torque that it leaves unexplained while the joint moves, as far up in frequency as
-        the noise of differentiated angles lets it be seen.
-    torque_count : (n_trial, n_joint)
+    torque_square : (n_block, n_joint)
+        Sum of squares, in blocks of about a second, of the torque that it leaves unexplained while the joint
+        moves, as far up in frequency as the noise of differentiated angles lets it be seen.
+    torque_count : (n_block, n_joint)
+    block_trial : (n_block,) of int
+        The trial that each block is in, from 0.
     unfiltered_square : (n_trial, n_joint), or None
-        The same of the torque as it was measured, noise included; None where none was.
-    angle_square, angle_sum, angle_max : (n_trial,)
-        Of simulated against measured angles of joints that turn [rad]; infinite where the simulation ran away.
-    angle_count : (n_trial,)
+        The sum of squares of the torque as it was measured, noise included; None where none was.
+    motion_square, motion_sum, motion_max : (n_trial, n_joint)
+        Of simulated against measured angles and positions [rad or m]; infinite where the simulation ran away.
+    motion_count : (n_trial, n_joint)
+    turns : (n_joint,) of bool
+        Whether a joint turns; the others slide.
     simulated : sequence of (n_sample, n_joint)
         The angles of each trial.
     """
 
     torque_square: Floats
     torque_count: Floats
+    block_trial: NDArray[np.intp]
     unfiltered_square: Floats | None
-    angle_square: Floats
-    angle_sum: Floats
-    angle_max: Floats
-    angle_count: Floats
+    motion_square: Floats
+    motion_sum: Floats
+    motion_max: Floats
+    motion_count: Floats
+    turns: NDArray[np.bool_]
     simulated: Sequence[Floats]
 
     @property
@@ -52,81 +67,116 @@ class Errors:
         return np.asarray(np.sqrt(square.sum(axis=0) / np.maximum(self.torque_count.sum(axis=0), 1.0)))
 
     @property
-    def angle_mean_deg(self) -> float:
-        """Over all trials."""
-        return float(np.rad2deg(self.angle_sum.sum() / max(self.angle_count.sum(), 1.0)))
+    def motion_mean(self) -> Floats:
+        """Of every joint over all trials, (n_joint,) [rad or m]."""
+        return np.asarray(self.motion_sum.sum(axis=0) / np.maximum(self.motion_count.sum(axis=0), 1.0))
 
     @property
-    def angle_rms_deg(self) -> float:
-        """Over all trials."""
-        return float(np.rad2deg(np.sqrt(self.angle_square.sum() / max(self.angle_count.sum(), 1.0))))
+    def angle_deg(self) -> dict[str, float] | None:
+        """Mean, rms and max over all trials and joints that turn [deg]; None if none does."""
+        return self._sizes(self.turns, float(np.rad2deg(1.0)))
 
     @property
-    def angle_max_deg(self) -> float:
-        """Over all trials."""
-        return float(np.rad2deg(self.angle_max.max(initial=0.0)))
+    def position_m(self) -> dict[str, float] | None:
+        """The same of joints that slide [m]; None if none does."""
+        return self._sizes(~self.turns, 1.0)
+
+    def _sizes(self, joints: NDArray[np.bool_], unit: float) -> dict[str, float] | None:
+        if not np.any(joints):
+            return None
+        count = max(float(self.motion_count[:, joints].sum()), 1.0)
+        return {
+            "mean": unit * float(self.motion_sum[:, joints].sum()) / count,
+            "rms": unit * float(np.sqrt(self.motion_square[:, joints].sum() / count)),
+            "max": unit * float(self.motion_max[:, joints].max(initial=0.0)),
+        }
 
     def only(self, which: Sequence[int]) -> "Errors":
         """Return the errors of some of the trials."""
         some = list(which)
-        raw = self.unfiltered_square
+        raw, own = self.unfiltered_square, [np.flatnonzero(self.block_trial == k) for k in some]
+        blocks = np.concatenate(own)
         return Errors(
-            self.torque_square[some],
-            self.torque_count[some],
+            self.torque_square[blocks],
+            self.torque_count[blocks],
+            np.repeat(np.arange(len(some)), [len(one) for one in own]),
             None if raw is None else raw[some],
-            self.angle_square[some],
-            self.angle_sum[some],
-            self.angle_max[some],
-            self.angle_count[some],
+            self.motion_square[some],
+            self.motion_sum[some],
+            self.motion_max[some],
+            self.motion_count[some],
+            self.turns,
             [self.simulated[k] for k in some],
         )
 
     def document(self) -> dict[str, object]:
         """Return it as JSON has it."""
-        raw, sizes = self.unfiltered_rms, {"mean": self.angle_mean_deg, "rms": self.angle_rms_deg}
+        raw = self.unfiltered_rms
+
+        def finite(sizes: dict[str, float] | None) -> dict[str, float | None] | None:
+            if sizes is None:
+                return None
+            return {name: size if np.isfinite(size) else None for name, size in sizes.items()}
+
         return {
             "torque_rms_N_m": self.torque_rms.tolist(),
             "torque_rms_unfiltered_N_m": None if raw is None else raw.tolist(),
-            "angle_error_deg": {
-                name: size if np.isfinite(size) else None
-                for name, size in (*sizes.items(), ("max", self.angle_max_deg))
-            },
+            "angle_error_deg": finite(self.angle_deg),
+            "position_error_m": finite(self.position_m),
         }
 
 
 @dataclass(frozen=True)
 class Gain:
-    """By which share the rms error fell: of torque and of angle; with an interval of the former."""
+    """By which share rms errors fell: of torque, angle and position; with an interval of the first.
+
+    Attributes
+    ----------
+    torque : float
+    angle, position : float
+        NaN where no joint turns, or slides, or a simulation ran away.
+    ci95 : (float, float), or None
+        Of the torque's; None where there are too few blocks.
+    """
 
     torque: float
     angle: float
-    ci95: tuple[float, float]
+    position: float
+    ci95: tuple[float, float] | None
 
     def document(self) -> dict[str, object]:
         """Return it as JSON has it."""
+        motions = {"angle": self.angle, "position": self.position}
         return {
             "torque": self.torque,
-            "angle": self.angle if np.isfinite(self.angle) else None,
-            "ci95": list(self.ci95),
+            **{name: fell if np.isfinite(fell) else None for name, fell in motions.items()},
+            "ci95": None if self.ci95 is None else list(self.ci95),
         }
 
 
 def gain(before: Errors, after: Errors, n_drawn: int = 1000) -> Gain:
-    """Return by how much a model became better, trials drawn anew for the interval (Efron and Tibshirani 1993)."""
-    rng = np.random.default_rng(0)
-    n = len(before.torque_square)
-    draws = rng.integers(0, n, (n_drawn, n))
+    """Return by how much a model became better.
+
+    For the interval blocks are drawn anew, and trials (Efron and Tibshirani 1993), for errors of one trial may
+    resemble each other: the ends are those farther apart. One trial drawn anew is the same again.
+    """
 
     def fell(was: Floats, became: Floats) -> Floats:
         with np.errstate(invalid="ignore", divide="ignore"):
             return np.asarray(1.0 - np.sqrt(became / was), dtype=np.float64)
 
-    was, became = before.torque_square.sum(axis=1), after.torque_square.sum(axis=1)
-    low, high = np.nanquantile(
-        fell(was[draws].sum(axis=1), became[draws].sum(axis=1)), 0.5 + 0.5 * CONFIDENCE * np.array([-1.0, 1.0])
-    )
-    angle = float(fell(before.angle_square.sum(), after.angle_square.sum()))
-    return Gain(float(fell(was.sum(), became.sum())), angle, (float(low), float(high)))
+    blocks = np.stack([one.torque_square.sum(axis=1) for one in (before, after)])
+    trials = np.stack([np.bincount(before.block_trial, weights=own) for own in blocks])
+    ends = []
+    for parts in (blocks, trials):
+        drawn = np.random.default_rng(0).integers(0, parts.shape[1], (n_drawn, parts.shape[1]))
+        tails = 0.5 + 0.5 * CONFIDENCE * np.array([-1.0, 1.0])
+        ends.append(np.nanquantile(fell(*parts[:, drawn].sum(axis=2)), tails))
+    low, high = float(np.min(ends)), float(np.max(ends))
+    motion = np.stack([one.motion_square.sum(axis=0) for one in (before, after)])
+    angle, position = (fell(*motion[:, joints].sum(axis=1)) for joints in (before.turns, ~before.turns))
+    known = len(before.torque_square) >= LEAST_BLOCKS
+    return Gain(float(fell(*blocks.sum(axis=1))), float(angle), float(position), (low, high) if known else None)
 
 
 @dataclass(frozen=True)

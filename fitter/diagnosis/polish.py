@@ -20,6 +20,7 @@ from fitter.diagnosis.estimates import Estimates, estimates, information_of
 from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, given_effects, model_numbers
 from fitter.diagnosis.finding import Conclusion, Polished
 from fitter.diagnosis.held_out import judged, smooth, torque_residual
+from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.motion import Motion
@@ -80,7 +81,7 @@ def polished(
     others = [one for one in motions if not one.learn]
     before = judged(regression, come_to.final, plain, others, horizon_s)
     after = judged(regression, candidate, arm, others, horizon_s)
-    kept = after.angle_mean_deg < before.angle_mean_deg
+    kept = comes_nearer(before, after)
     if kept and after.unfiltered_square is not None:
         kept = not loses(regression, come_to.final, candidate, others)
     return Polish(Polished(kept, before, after), candidate, numbers)
@@ -205,6 +206,13 @@ def _limits(
         return now, np.stack([(g(z + step) - now) / SLOPE for step in steps], axis=1)
 
     return limits
+
+
+def comes_nearer(before: Errors, after: Errors) -> bool:
+    """Say whether simulated motion comes nearer to the measured one, joints in units of their errors before."""
+    was, became = before.motion_mean, after.motion_mean
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return bool(np.mean(np.where(was == became, 1.0, became / was)) < 1.0)
 
 
 def loses(regression: Regression, before: Candidate, after: Candidate, motions: Sequence[Motion]) -> bool:

@@ -23,8 +23,15 @@ def error_rows(arm: Arm, models: Sequence[Errors]) -> list[Cells]:
     raw = [size for one in models if (size := one.unfiltered_rms) is not None]
     if len(raw) == len(models):
         rows += torques(" unfiltered", raw)
-    for name in ("mean", "rms", "max"):
-        rows.append((f"angle, {name} [deg]", *(angle(getattr(one, f"angle_{name}_deg")) for one in models)))
+    for what, unit, sizes in (
+        ("angle", "deg", [one.angle_deg for one in models]),
+        ("position", "m", [one.position_m for one in models]),
+    ):
+        known = [one for one in sizes if one is not None]
+        rows += [
+            (f"{what}, {name} [{unit}]", *(angle(one[name]) for one in known))
+            for name in (known[0] if known else ())
+        ]
     return rows
 
 
@@ -34,12 +41,15 @@ def by_name_rows(errors: Mapping[str, tuple[Errors, Errors]]) -> list[Cells]:
     def torque(one: Errors) -> str:
         return ", ".join(f"{size:.3g}" for size in one.torque_rms)
 
+    def moved(one: Errors, name: str) -> str:
+        return ", ".join(angle(sizes[name]) for sizes in (one.angle_deg, one.position_m) if sizes is not None)
+
     return [
         (
             name,
             *(torque(one) for one in both),
-            *(angle(one.angle_mean_deg) for one in both),
-            *(angle(one.angle_rms_deg) for one in both),
+            *(moved(one, "mean") for one in both),
+            *(moved(one, "rms") for one in both),
         )
         for name, both in errors.items()
     ]
@@ -49,8 +59,8 @@ def by_name_rows(errors: Mapping[str, tuple[Errors, Errors]]) -> list[Cells]:
 BY_NAME = (
     "torque, rms, before",
     "after",
-    "angle, mean [deg], before",
+    "angle [deg], position [m], mean, before",
     "after",
-    "angle, rms [deg], before",
+    "rms, before",
     "after",
 )

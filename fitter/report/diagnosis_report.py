@@ -203,10 +203,15 @@ def _gain(page: Page, found: Diagnosis) -> None:
     before, after, gain = finding.before, finding.after, finding.gain
     text = "Nothing was added to the model, so this is how well it does as it is."
     if extended:
-        low, high = (percent(limit) for limit in gain.ci95)
+        interval = "too few seconds for an interval"
+        if gain.ci95 is not None:
+            low, high = (percent(limit) for limit in gain.ci95)
+            interval = f"95 % interval of the fall: {low} to {high}, by blocks of a second and trials drawn anew"
+        kinds = ("angles", before.angle_deg, gain.angle), ("positions", before.position_m, gain.position)
+        moved = " and ".join(f"{what} {fell(share)}" for what, sizes, share in kinds if sizes is not None)
         text = (
-            f"With the cause in the model the torque error {fell(gain.torque)} (95 % interval of the fall: {low} "
-            f"to {high}, by trials drawn anew); the error of the simulated angles {fell(gain.angle)}. "
+            f"With the cause in the model the torque error {fell(gain.torque)} ({interval}); the error of the "
+            f"simulated {moved}. "
             "extended.toml is the arm with it, to be simulated."
         )
     page.section("The gain" if extended else "How well it simulates", text)

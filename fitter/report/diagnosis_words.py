@@ -167,11 +167,14 @@ def _sizes(found: Diagnosis, errors: Errors) -> str:
     unit = units(found.regression.arm)[worst]
     torque = f"joint {worst + 1} needs {errors.torque_rms[worst]:.3g} {unit} rms of torque"
     beside = f" ({percent(share)} of its drive)" if np.any(drive > 1e-9) else ""
-    if not np.isfinite(errors.angle_max_deg):
+    sizes, unit = (errors.angle_deg, "°") if errors.angle_deg is not None else (errors.position_m, " m")
+    assert sizes is not None  # every joint turns or slides
+    if not np.isfinite(sizes["max"]):
         return f"{torque} that the model does not have{beside}, and the simulation runs away"
     return (
-        f"{torque} that the model does not have{beside}, and simulated angles are off by "
-        f"{errors.angle_mean_deg:.2g}° on the mean and {errors.angle_max_deg:.2g}° at most"
+        f"{torque} that the model does not have{beside}, and simulated "
+        f"{'angles' if unit == '°' else 'positions'} are off by "
+        f"{sizes['mean']:.2g}{unit} on the mean and {sizes['max']:.2g}{unit} at most"
     )
 
 

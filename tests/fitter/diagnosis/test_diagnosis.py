@@ -32,7 +32,7 @@ def test_the_cause_is_named_with_its_size(dragged):
 def test_the_extended_arm_moves_like_the_real_one(dragged):
     finding = dragged.finding
     assert [effect.name for effect in finding.arm.effects] == ["quadratic_drag"]
-    assert finding.after.angle_mean_deg < 0.5 * finding.before.angle_mean_deg
+    assert finding.after.angle_deg["mean"] < 0.5 * finding.before.angle_deg["mean"]
     assert finding.gain.ci95[0] < finding.gain.torque < finding.gain.ci95[1]
 
 
@@ -84,7 +84,7 @@ def test_the_document_has_the_contracts_fields(dragged):
     (cause,) = document["causes"]
     assert all(0.0 < cause["takes_away"][role] <= 1.0 for role in ("learn", "evaluate"))
     assert {"explained", "white", "depends_on"} <= set(document["residual"])
-    assert {"torque", "angle", "ci95"} == set(document["gain"])
+    assert {"torque", "angle", "position", "ci95"} == set(document["gain"])
 
 
 def test_nothing_is_named_where_nothing_is_wrong():

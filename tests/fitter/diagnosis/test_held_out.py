@@ -14,9 +14,10 @@ from tests.fitter.pendulum import pendulum, swings
 
 
 def errors(*rms: float) -> Errors:
-    one = np.array(rms) ** 2
-    count, still = np.ones_like(one), np.zeros_like(one)
-    return Errors(one[:, None], count[:, None], None, still, still, still, count, [np.zeros((1, 1))] * len(rms))
+    one = np.array(rms)[:, None] ** 2
+    count, still, trials = np.ones_like(one), np.zeros_like(one), np.arange(len(rms))
+    motion = still, still, still, count, np.array([True]), [np.zeros((1, 1))] * len(rms)
+    return Errors(one, count, trials, None, *motion)
 
 
 def test_sets_and_trials_have_errors_of_their_own():

@@ -13,9 +13,10 @@ from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates, information_of
 from fitter.diagnosis.evidence import Floor
 from fitter.diagnosis.finding import Conclusion
+from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Candidate, Model
-from fitter.diagnosis.polish import is_measured, loses, polished
+from fitter.diagnosis.polish import comes_nearer, is_measured, loses, polished
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from fitter.diagnosis.search import Search
@@ -56,7 +57,7 @@ def test_numbers_that_are_off_come_back_and_are_kept_under_a_law(dragged):
     drag = found.numbers.effects[0]["drag_N_m_s2"]
     assert abs(drag.value - 0.3) < 4.0 * drag.std + 0.01
     assert found.candidate.x[-1] == drag.value != wrong.x[-1]
-    assert found.said.after.angle_rms_deg < 0.5 * found.said.before.angle_rms_deg
+    assert found.said.after.angle_deg["rms"] < 0.5 * found.said.before.angle_deg["rms"]
     assert set(found.said.document()) == {"before", "after"} and "are kept" in found.said.sentence
 
 
@@ -78,7 +79,7 @@ def test_with_measured_torque_both_are_evidence(true_arm, trials):
     found = polished(regression, come_to(regression, wrong), whole(regression), 0.5)
     assert found is not None and found.said.kept
     assert found.said.after.unfiltered_rms is not None
-    assert found.said.after.angle_mean_deg < found.said.before.angle_mean_deg
+    assert found.said.after.angle_deg["mean"] < found.said.before.angle_deg["mean"]
     rotor = found.numbers.effects[0]["inertia_kg_m2"]
     torque = estimates(regression, wrong).effects[0]["inertia_kg_m2"]
     assert 0.0 < rotor.std < 1.5 * torque.std
@@ -90,3 +91,21 @@ def test_torque_that_grows_beyond_the_scatter_of_blocks_is_a_loss(dragged):
     assert loses(regression, right, replace(wrong, x=1.5 * wrong.x), motions)
     assert not loses(regression, right, right, motions)
     assert not loses(regression, wrong, right, motions)
+
+
+def off_by(*means):
+    """Return errors of simulated motion with these means, the first joint turning and the others sliding."""
+    one, turns = np.array([means]), np.arange(len(means)) == 0
+    return Errors(one, one, np.zeros(1, dtype=np.intp), None, one**2, one, one, np.ones_like(one), turns, [])
+
+
+def test_joints_count_in_units_of_their_errors_before():
+    """A millimetre of a slide counts as much as what an angle is off by, though it is the smaller number."""
+    assert comes_nearer(off_by(0.1, 1e-3), off_by(0.11, 0.5e-3))
+    assert not comes_nearer(off_by(0.1, 1e-3), off_by(0.09, 1.5e-3))
+    assert not comes_nearer(off_by(0.1), off_by(0.1))
+
+
+def test_what_runs_away_comes_no_nearer():
+    assert not comes_nearer(off_by(0.1, 0.1), off_by(0.01, np.inf))
+    assert comes_nearer(off_by(0.1, np.inf), off_by(0.1, 0.1))

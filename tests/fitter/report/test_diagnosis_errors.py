@@ -17,11 +17,13 @@ def errors():
     return Errors(
         np.array([[9.0, 16.0]]),
         np.ones((1, 2)),
+        np.zeros(1, dtype=np.intp),
         np.array([[36.0, 49.0]]),
-        np.array([one_degree**2]),
-        np.array([one_degree]),
-        np.array([one_degree]),
-        np.ones(1),
+        np.full((1, 2), one_degree**2),
+        np.full((1, 2), one_degree),
+        np.full((1, 2), one_degree),
+        np.ones((1, 2)),
+        np.array([True, True]),
         [np.zeros((1, 2))],
     )
 
@@ -35,6 +37,13 @@ def test_every_joint_has_its_torque_and_angles_are_in_degrees(errors):
 def test_where_no_torque_was_measured_none_is_unfiltered(errors):
     rows = error_rows(load_arm("dd-arm-vertical"), [errors, replace(errors, unfiltered_square=None)])
     assert not any("unfiltered" in row[0] for row in rows)
+
+
+def test_a_joint_that_slides_has_its_position(errors):
+    slides = replace(errors, turns=np.array([True, False]))
+    rows = error_rows(load_arm("dd-arm-vertical"), [slides])
+    assert [row[0] for row in rows[-3:]] == [f"position, {name} [m]" for name in ("mean", "rms", "max")]
+    assert float(rows[-1][1]) == pytest.approx(np.radians(1.0), rel=1e-2)
 
 
 def test_a_set_has_a_cell_a_column(errors):
