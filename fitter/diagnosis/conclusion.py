@@ -178,8 +178,10 @@ def _named(
 ) -> NamedCause:
     where: dict[str, object] = {}
     if isinstance(hypothesis, Payload) and hypothesis.since_s is not None:
-        first = begins_in(motions, hypothesis.since_s)
-        where = {"since_s": hypothesis.since_s - first.ahead_s, "trial": first.trial.name}
+        since = numbers["since_s"]
+        first = begins_in(motions, since.value)
+        numbers = numbers | {"since_s": replace(since, value=since.value - first.ahead_s)}
+        where = {"trial": first.trial.name}
     elif isinstance(hypothesis, Payload):
         called = entries(motions)
         where = {"trials": [called[number] for number in sorted(hypothesis.trials)]}

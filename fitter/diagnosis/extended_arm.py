@@ -163,12 +163,8 @@ def _braked(joint: Joint) -> Joint:
 
 def _effect(hypothesis: Hypothesis, numbers: dict[str, FittedParameter]) -> Effect:
     values: dict[str, object] = {name: number.value for name, number in numbers.items()}
-    if isinstance(hypothesis, Payload):
-        values |= (
-            {"since_s": hypothesis.since_s}
-            if hypothesis.since_s is not None
-            else {"trials": sorted(hypothesis.trials)}
-        )
+    if isinstance(hypothesis, Payload) and hypothesis.trials:
+        values |= {"trials": sorted(hypothesis.trials)}
     return Effect(hypothesis.kind.name, values, joints=tuple(j + 1 for j in hypothesis.joints))
 
 

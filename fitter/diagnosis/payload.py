@@ -6,6 +6,7 @@ As pushes are, they are sought over the whole run, learning and evaluating trial
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -13,10 +14,11 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind
 from arm.model import Floats, JointType
 from arm.regressor import regressor
-from fitter.diagnosis.least_squares import ROUNDED, scaled_lstsq
+from fitter.diagnosis.least_squares import BLOCK_S, ROUNDED, scaled_lstsq
 from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.sharp_columns import behind_filter
 
 #: Products of a column with the residual, with itself, and with the design.
 _Parts = tuple[float, float, Floats]
@@ -31,7 +33,7 @@ class Payload(Hypothesis):
     trials : frozenset of int
         The trials in which it is there, from 1 over the run; or
     since_s : float, optional
-        from when on.
+        from when on, about: its psi is how much later, in blocks of a second, from 1.
     """
 
     n_column = 1
@@ -45,14 +47,35 @@ class Payload(Hypothesis):
         self.trials = trials
         self.since_s = since_s
 
+    @property
+    def low(self) -> Floats:
+        """How much earlier it may have come, (n_psi,)."""
+        return np.zeros(0) if self.since_s is None else np.zeros(1)
+
+    @property
+    def high(self) -> Floats:
+        """How much later, (n_psi,)."""
+        return 2.0 + self.low
+
+    def starts(self, motions: Sequence[Motion]) -> Floats:
+        """Return the moment at which it was found, (1, n_psi)."""
+        return np.ones((1, len(self.low)))
+
+    def _since(self, psi: Floats) -> Floats:
+        """Return from when on it is there, (n_psi,) [s]."""
+        return np.zeros(0) if self.since_s is None else np.asarray(self.since_s + BLOCK_S * (psi - 1.0))
+
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion with what a kilogram at the tip would ask of the joints while it is there."""
-        column = tip_mass_column(hypothetical)
-        if self.since_s is not None:
-            column = column * (hypothetical.motion.t >= self.since_s)[:, None, None]
-        elif hypothetical.motion.number not in self.trials:
+        column, motion = tip_mass_column(hypothetical), hypothetical.motion
+        guessed = hypothetical.guessed
+        for since_s in self._since(psi):
+            there = behind_filter(motion, partial(_lasted, since_s=since_s), (since_s, since_s))
+            column = column * there[:, None, None]
+            guessed = guessed | (np.abs(motion.t - since_s) < _smeared_s([motion]))
+        if self.since_s is None and motion.number not in self.trials:
             column = np.zeros_like(column)
-        return replace(hypothetical, columns=(*hypothetical.columns, column))
+        return replace(hypothetical, columns=(*hypothetical.columns, column), guessed=guessed)
 
     def log_places(self, motions: Sequence[Motion]) -> float:
         """Return the logarithm of the number of sets of trials, or of moments."""
@@ -68,17 +91,33 @@ class Payload(Hypothesis):
         return bool(begun[0]) if begun[0] == begun[1] else self.since_s
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
-        """Return the mass."""
-        return np.array(factors)
+        """Return the mass, and from when on it is there."""
+        return np.concatenate([factors, self._since(psi)])
+
+    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
+        """Return what no fit shows of the moment: the acceleration jumps there, and the filter smears that."""
+        errors = np.zeros(len(values))
+        errors[1:] = _smeared_s(motions) / np.sqrt(12.0)  # uniform
+        return errors
 
     @property
     def names(self) -> tuple[str, ...]:
-        """The mass alone is a number with an error."""
-        return ("mass_kg",)
+        """Trials are no number with an error."""
+        return ("mass_kg",) if self.since_s is None else ("mass_kg", "since_s")
 
     def units_at(self, joint: JointType) -> tuple[str, ...]:
-        """Return that of the mass."""
-        return ("kg",)
+        """Return those of the mass and of the time since which it is there."""
+        return ("kg",) if self.since_s is None else ("kg", "s")
+
+
+def _smeared_s(motions: Sequence[Motion]) -> float:
+    """Return over which time columns smear what is sharp: half a period of their corner, or a step [s]."""
+    return max(max(motion.dt_s, 0.5 / motion.trial.cutoff_hz) for motion in motions)
+
+
+def _lasted(until: Floats, since_s: float) -> Floats:
+    """Return for how long a load that came at some time has been there, (n,) [s]."""
+    return np.maximum(until - since_s, 0.0)
 
 
 def tip_mass_column(hypothetical: HypotheticalMotion) -> Floats:

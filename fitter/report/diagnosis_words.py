@@ -47,8 +47,8 @@ def place(joints: Sequence[int], bearer: str = "the whole arm") -> str:
 
 def when(cause: NamedCause) -> str:
     """Return the trials or the time of a cause that is not always there, or nothing."""
-    if "since_s" in cause.where:
-        return f"from {float(str(cause.where['since_s'])):.1f} s of {cause.where['trial']} on"
+    if "since_s" in cause.parameters:
+        return f"from {cause.parameters['since_s'].value:.1f} s of {cause.where['trial']} on"
     trials = cause.where.get("trials")
     if isinstance(trials, list):
         return f"in trial{'s' if len(trials) > 1 else ''} {_and([str(trial) for trial in trials])}"

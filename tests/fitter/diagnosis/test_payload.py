@@ -8,6 +8,7 @@ from arm.model import Effect
 from fitter.data.derived_trial import derive
 from fitter.data.resample import resample
 from fitter.diagnosis import error_floor
+from fitter.diagnosis.estimates import estimates
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.payload import Payload, find_payloads
 from fitter.diagnosis.refinement import fitted
@@ -56,3 +57,25 @@ def test_a_load_that_was_always_there_is_the_arms():
     x = regression.solve(Model(), regression.motions)
     n_effective = sum(regression.weighting.n_effective(motion) for motion in regression.motions)
     assert np.all(np.isfinite(x)) and regression.squares(Model(), x).sum() < 1.3 * n_effective
+
+
+def test_the_moment_has_an_error_that_holds():
+    """It is fitted with the mass, between two samples as well as at one."""
+    regression = regression_of(Effect("payload", {"mass_kg": 0.3, "since_s": 4.4033}))
+    likelihood = TorqueLikelihood(regression, [], screen, events=find_payloads)
+    likelihood.base()
+    load = find_payloads(likelihood.regression, Model())[-1]
+    first = fitted(likelihood.regression, Model().plus(load, load.starts([])[0]))
+    found = likelihood.reweighted(likelihood.fit_of(first)).candidate
+    (numbers,) = estimates(likelihood.regression, found).effects
+    assert numbers["since_s"].unit == "s"
+    for name, value in (("since_s", 4.4033), ("mass_kg", 0.3)):
+        assert 0.0 < abs(numbers[name].value - value) < 3.5 * numbers[name].std < 0.1
+
+
+def test_while_the_filter_smears_its_beginning_nothing_is_known():
+    regression = regression_of(Effect("payload", {"mass_kg": 0.3, "since_s": 4.4}))
+    load = Payload(catalogue()["payload"], since_s=4.4)
+    for motion in regression.motions:
+        guessed = regression.hypothetical(Model().plus(load, np.ones(1)), motion).guessed
+        assert np.array_equal(guessed, np.abs(motion.t - 4.4) < 1.0 / 60.0)
