@@ -29,8 +29,6 @@ def behind_filter(motion: Motion, area: Callable[[Floats], Floats], within: tupl
         return np.asarray(np.diff(area(middle), axis=0)[0] / dt_s)
     at = motion.t[0] + dt_s * np.arange(-trial.trimmed - 0.5, n + trial.trimmed + 1.0)
     means = lowpass(np.diff(area(at)) / dt_s, dt_s, trial.cutoff_hz)
-    if (
-        trial.cutoff_hz * dt_s < HIGHEST_CORNER
-    ):  # a mean over a step is off by a part of the bend
+    if trial.cutoff_hz * dt_s < HIGHEST_CORNER:  # a mean over a step is off by a part of the bend
         means[1:-1] -= np.diff(means, 2) / 24.0
     return np.asarray(means[trial.trimmed : trial.trimmed + n][::step], dtype=np.float64)
