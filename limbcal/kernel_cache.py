@@ -50,11 +50,14 @@ class KernelCache(FunctionCache):
             super()._save_overload(sig, data)  # type: ignore[no-untyped-call]
 
     def _stamp(self) -> None:
-        """Make what the kernel refers to a part of its source; not before its module has been loaded."""
+        """Make what the kernel refers to a part of its version; not before its module has been loaded.
+
+        Of another version nothing is unpickled: that may name modules that are no longer there.
+        """
         if not self._stamped:
             self._stamped = True
             file = self._cache_file
-            file._source_stamp = (file._source_stamp, digest_of(self._py_func))  # noqa: SLF001 - numba's
+            file._version = (file._version, digest_of(self._py_func))  # noqa: SLF001 - numba's
 
 
 def digest_of(kernel: Callable[..., object]) -> str:
@@ -74,6 +77,8 @@ def _parts(function: Callable[..., object], seen: set[int]) -> Iterator[str]:
     seen.add(id(code))
     yield function.__module__  # machine code names the modules that it was made of, and imports them
     yield from _of_code(code, getattr(function, "__doc__", None))
+    for kind in getattr(function, "__annotations__", {}).values():  # what is handed to it has a module, too
+        yield from _of_value(kind, seen)
     known = {**function.__globals__}
     for name, cell in zip(code.co_freevars, getattr(function, "__closure__", None) or (), strict=False):
         known[name] = cell.cell_contents

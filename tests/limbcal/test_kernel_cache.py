@@ -12,31 +12,36 @@ import pytest
 from limbcal.kernel_cache import digest_of
 
 CALLED = """
+from typing import NamedTuple
 from limbcal.compiled import compiled
 
 FACTOR = {factor}
 
+class Pair(NamedTuple):
+    x: float
+    y: float
+
 @compiled
-def inner(x):
-    return x + {term}
+def inner(pair):
+    return pair.x + {term}
 """
 BETWEEN = """
 from limbcal.compiled import compiled
-from {module} import FACTOR, inner
+from {module} import FACTOR, Pair, inner
 
 @compiled
-def middle(x):
-    return inner(x)
+def middle(pair):
+    return inner(pair)
 """
 CALLER = """
 import sys
 from numba.core import event
 from limbcal.compiled import compiled
-from between import FACTOR, middle
+from between import FACTOR, Pair, middle
 
 @compiled
-def outer(x):
-    return FACTOR * middle(x)
+def outer(pair):
+    return FACTOR * middle(pair)
 
 class Compiled(event.Listener):
     n = 0
@@ -47,7 +52,7 @@ class Compiled(event.Listener):
 
 listener = Compiled()
 with event.install_listener("numba:compile", listener):
-    print(outer(1.0), listener.n > 0)
+    print(outer(Pair(1.0, 0.0)), listener.n > 0)
 """
 
 
@@ -78,7 +83,7 @@ def test_a_change_in_another_file_is_compiled_anew(run):
 
 
 def test_what_moves_to_another_module_is_compiled_anew(run):
-    """Machine code imports the module that it was made of, and that is there no more."""
+    """Machine code and the types that it takes name the module that they were made of, which is there no more."""
     assert run(2.0, 1.0) == (4.0, True)
     assert run(2.0, 1.0, module="moved") == (4.0, True)
 

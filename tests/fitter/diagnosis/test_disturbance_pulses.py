@@ -57,7 +57,8 @@ def test_a_duration_that_may_be_zero_is_not_determined():
 def test_each_of_several_has_its_own_numbers():
     pushes = DisturbancePulses(KIND, 0, [PULSE, OTHER])
     assert pushes.numbers(np.ones(4), np.array([1.0, -2.4])) == pytest.approx([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
-    assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1") and len(pushes.units_at("revolute")) == 6
+    assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1")
+    assert len(pushes.units_at("revolute")) == 6
     assert DisturbancePulses(KIND, 0, [PULSE]).names == ("start_s", "duration_s", "torque_N_m")
     samples = [SimpleNamespace(t=np.zeros(500))] * 2
     assert pushes.log_places(samples) == pytest.approx(2.0 * np.log(1000.0))
