@@ -21,7 +21,7 @@ from fitter.commands.trial_sets import notes_of
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis.diagnosis import diagnose
-from fitter.diagnosis.finding import Finding, NamedCause
+from fitter.diagnosis.finding import UNKNOWN, Finding, NamedCause
 from fitter.diagnosis.held_out_error import Errors
 from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
@@ -124,7 +124,7 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
     check = check_wiring(arm, structural_parameters(arm), trials)
     if check is None or check.better is None:
         return
-    answer: Document = {
+    answer: Document = UNKNOWN | {
         "verdict": "unexplained",
         "complete": False,
         "left": None,
@@ -135,7 +135,6 @@ def _require_possible(arm: Arm, learn: Sequence[Measured], arguments: argparse.N
         "before": None,
         "after": None,
         "gain": None,
-        "residual": None,
         "notes": documents([*notes_of(trials), Note("impossible", check.better.sentence)]),
     }
     answer = with_asked(answer)

@@ -13,6 +13,7 @@ from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.commands.limb_kinematics import recordings_of
+from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
 from fitter.marker_diagnosis.marker_finding import MarkerFinding, MarkerNumber, NamedMarkerCause, diagnose_markers
 from fitter.report.marker_diagnosis import write_marker_report
 from limbcal.command import Document, console, say_notes, show, to_json, with_asked
@@ -98,12 +99,11 @@ def _distances(finding: MarkerFinding) -> Table:
 
 def document(finding: MarkerFinding) -> Document:
     """Return the JSON document; torque and angle are not known from markers alone."""
-    nothing: dict[str, object] = {"torque_rms_N_m": None, "angle_error_deg": {"mean": None, "max": None}}
     sizes = [
         {"rms": rms, "per_marker": dict(each)}
         for rms, each in zip(finding.rms_mm, (finding.before, finding.after), strict=True)
     ]
-    return {
+    return UNKNOWN | {
         "verdict": finding.verdict,
         "complete": finding.complete,
         "left": {"marker_rms_mm": finding.rms_mm[1], "share": _share(finding), "wander": finding.wander},
@@ -119,10 +119,13 @@ def document(finding: MarkerFinding) -> Document:
         ],
         "confusable": [list(pair) for pair in finding.confusable],
         "next_experiment": finding.next_experiment,
-        "before": nothing | {"marker_rms_mm": sizes[0]},
-        "after": nothing | {"marker_rms_mm": sizes[1]},
+        "before": UNKNOWN_ERRORS | {"marker_rms_mm": sizes[0]},
+        "after": UNKNOWN_ERRORS | {"marker_rms_mm": sizes[1]},
         "gain": {"torque": None, "angle": None, "markers": finding.gain, "ci95": list(finding.ci95)},
-        "residual": {"explained": finding.gain, "white": finding.complete, "depends_on": []},
+        "residual": {
+            **{"joint": None, "formula": None, "dependences": []},
+            **{"explained": finding.gain, "white": finding.complete, "depends_on": []},
+        },
     }
 
 

@@ -14,6 +14,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.data.plausibility.refusal import Refusal
 from fitter.data.raw import RawRun, load_raw
+from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from fitter.reading_diagnosis.sensor_verdict import SensorCause, SensorFinding
 from fitter.report.sensor_diagnosis import write_sensor_report
@@ -80,10 +81,10 @@ def _contradictions(finding: SensorFinding) -> Table:
 
 def document(finding: SensorFinding) -> Document:
     """Return the JSON document; torque and angle are not known from accelerations alone."""
-    nothing: dict[str, object] = {"torque_rms_N_m": None, "angle_error_deg": {"mean": None, "max": None}}
     before, after = (float(np.linalg.norm(list(rms.values()))) for rms in (finding.before, finding.after))
-    left = {"torque_rms_N_m": None, "share": after / before if before > 0.0 else 0.0, "times_noise": None}
-    return {
+    share = after / before if before > 0.0 else 0.0
+    left = {"torque_rms_N_m": None, "share": share, "times_noise": finding.times_noise}
+    return UNKNOWN | {
         "verdict": finding.verdict,
         "complete": bool(finding.residual.white),
         "left": left | {"reading_rms_m_s2": dict(finding.after)},
@@ -104,10 +105,12 @@ def document(finding: SensorFinding) -> Document:
         ],
         "confusable": [list(pair) for pair in finding.confusable],
         "next_experiment": finding.next_experiment,
-        "before": nothing | {"reading_rms_m_s2": dict(finding.before)},
-        "after": nothing | {"reading_rms_m_s2": dict(finding.after)},
+        "before": UNKNOWN_ERRORS | {"reading_rms_m_s2": dict(finding.before)},
+        "after": UNKNOWN_ERRORS | {"reading_rms_m_s2": dict(finding.after)},
         "gain": {"torque": None, "angle": None, "readings": finding.gain, "ci95": None},
+        "structure": {"beyond_noise": finding.beyond_noise},
         "residual": {
+            **{"joint": None, "formula": None, "dependences": []},
             "explained": finding.residual.explained,
             "white": finding.residual.white,
             "depends_on": list(finding.residual.depends_on),

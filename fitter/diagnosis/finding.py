@@ -225,6 +225,28 @@ class Finding:
         }
 
 
+#: Errors of which nothing is known.
+UNKNOWN_ERRORS: dict[str, object] = {
+    "torque_rms_N_m": None,
+    "torque_rms_unfiltered_N_m": None,
+    "angle_error_deg": {"mean": None, "rms": None, "max": None},
+}
+
+#: What stands in a document of ``fitter diagnose`` where no torque is diagnosed.
+UNKNOWN: dict[str, object] = {
+    "polished": False,
+    "polish": None,
+    "judged": None,
+    "residual": {
+        **{"explained": None, "white": None, "depends_on": []},
+        **{"joint": None, "formula": None, "dependences": []},
+    },
+    "explained": None,
+    "structure": {"beyond_noise": None},
+    "suspected": [],
+}
+
+
 @dataclass(frozen=True)
 class Conclusion:
     """What a search has come to.

@@ -1,6 +1,6 @@
 """Do the sensors contradict a rigid arm, whatever drove it, and why: the sensor half of `fitter diagnose`."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from itertools import combinations
 
@@ -83,7 +83,6 @@ def diagnose_sensors(
 
 def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Generator) -> SensorFinding:
     before, after = search.contradiction(_unhelped(search, decision)), search.contradiction(decision.fitted)
-    contradicts = before.excess > 0.0 and before.sigmas > SIGMAS
     white = after.sigmas < SIGMAS
     verdict: Verdict = "none"
     if decision.causes:
@@ -102,6 +101,7 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
     judged = judging_residuals(search.trials, decision.fitted)
     unhelped = judging_residuals(search.trials, _unhelped(search, decision))
     residual = dependence_of_residual(judged, white, rng)
+    was, remains = _rms(arm, unhelped), _rms(arm, judged)
     return SensorFinding(
         verdict,
         causes if verdict != "unexplained" else (),
@@ -110,10 +110,12 @@ def _finding(arm: Arm, search: Search, decision: Decision, rng: np.random.Genera
         next_for_sensors(
             verdict, pairs, [(cause.effect, *cause.sensors) for cause in causes], residual.depends_on
         ),
-        _rms(arm, unhelped),
-        _rms(arm, judged),
-        max(0.0, 1.0 - max(after.excess, 0.0) / before.excess) if contradicts else 0.0,
+        was,
+        remains,
+        float(np.clip(1.0 - _square(remains) / _square(was), 0.0, 1.0)) if decision.causes else 0.0,
         before.sigmas,
+        before.excess,
+        float(np.sqrt(max(1.0 + after.excess, 0.0))),
         residual,
         _extended(arm, causes) if verdict == "named" else arm,
         _course(unhelped, judged),
@@ -209,9 +211,19 @@ def _candidates(arm: Arm, search: Search, decision: Decision) -> tuple[SensorCan
     )
 
 
+def _square(rms: Mapping[str, float]) -> float:
+    return max(sum(one**2 for one in rms.values()), ROUNDED**2)
+
+
 def _rms(arm: Arm, judged: list[Linearisation]) -> dict[str, float]:
-    residual = np.concatenate([at.residual for at in judged]).reshape(-1, len(arm.sensors), 3)
-    rms = np.sqrt((residual**2).sum(axis=2).mean(axis=0))
+    """Return the rms of what no motion explains, a frame counted as it counts in the verdict, by sensor.
+
+    A jolt between two frames, which no motion follows, hardly counts there.
+    """
+    residual, weight = (np.concatenate([getattr(at, name) for at in judged]) for name in ("residual", "weight"))
+    total = np.sum(weight**2, axis=0)
+    square = np.sum((weight * residual) ** 2, axis=0) / np.where(total > 0.0, total, 1.0)
+    rms = np.sqrt(square.reshape(len(arm.sensors), 3).sum(axis=1))
     return {sensor.name: float(value) for sensor, value in zip(arm.sensors, rms, strict=True)}
 
 

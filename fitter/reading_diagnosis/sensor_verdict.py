@@ -220,12 +220,17 @@ class SensorFinding:
         Effects that this data cannot distinguish.
     next_experiment : str
     before, after : mapping of str to float
-        By sensor, rms of what no motion of a rigid arm explains in the judging trials [m/s^2].
+        By sensor, rms of what no motion of a rigid arm explains in the judging trials [m/s^2], every frame counted
+        as in the verdict.
     gain : float
-        Share of what contradicts beyond noise that the causes take away.
+        Share of these rms, squared, that the causes take away.
     contradicts : float
         Of the arm file as it is: how many standard deviations of mere noise the sensors are from a rigid arm.
-    residual : Remaining
+    beyond_noise : float
+        Variance that then contradicts beyond the sensors' noise, in units of it.
+    times_noise : float
+        What contradicts with the causes, in units of the sensors' noise, as rms.
+    residual : SensorResidual
     arm : Arm
         With the causes as its effects.
     course : Course
@@ -240,6 +245,8 @@ class SensorFinding:
     after: Mapping[str, float]
     gain: float
     contradicts: float
+    beyond_noise: float
+    times_noise: float
     residual: SensorResidual
     arm: Arm
     course: Course

@@ -7,6 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from fitter.commands.diagnose_readings import document
+from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from limbcal.errors import ConfigError, DataError
 
@@ -50,9 +51,11 @@ def test_names_what_is_wrong_and_with_which_sensor(measure, effect):
         number = cause.parameters[name]
         assert abs(number.value - value) < 4.0 * number.std
     assert found.after[sensor] < found.before[sensor]
-    assert found.gain > 0.9
     said = document(found)
     assert 0.0 < said["left"]["share"] < 1.0
+    assert said["gain"]["readings"] == pytest.approx(1.0 - said["left"]["share"] ** 2)
+    assert 0.5 < said["left"]["times_noise"] < 1.5 and said["complete"] is True
+    assert set(UNKNOWN) <= set(said) and set(UNKNOWN_ERRORS) <= set(said["after"])
     assert said["left"]["reading_rms_m_s2"] == found.after
     assert found.arm.effects[-1].sensors == (sensor,)
 
