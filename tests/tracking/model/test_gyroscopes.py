@@ -11,7 +11,6 @@ from arm.gyroscope import angular_velocity
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Gyroscope
 from tracking.kalman.kalman_filter import KalmanTracker
-from tracking.model.discrepancy import Discrepancy
 from tracking.model.expected_readings import observe, room_of
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.noise import noise_of
@@ -170,12 +169,11 @@ def test_scale_and_offset_of_a_gyroscope_are_found() -> None:
     assert np.sqrt(P[column, column]) == pytest.approx(scale.std)
 
 
-def test_kinds_of_sensors_have_sizes_and_noise_of_their_own() -> None:
+def test_kinds_of_sensors_have_noise_of_their_own() -> None:
     of, size = observation_of(with_gyros(one_a_link("dd-arm")), lack=True)
     assert channels_alike(of) == [slice(0, 6), slice(6, 12)]
     values = np.tile([3.0] * 6 + [0.1] * 6, (5, 1))
     np.testing.assert_allclose(rms_alike(of, values), values[0])
-    np.testing.assert_allclose(Discrepancy(0.3, 0.0, 0.1, np.ones(2), 0.02).lack_stds(of), [0.3] * 6 + [0.02] * 6)
 
 
 def test_a_gyroscope_has_a_floor_of_noise_of_its_own() -> None:

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from scipy.linalg import expm, solve_continuous_lyapunov
+from scipy.linalg import expm
 
-from tracking.model.discrepancy import speed_rate
 from tracking.model.stationary_process import decay, transition
 
 
@@ -13,14 +12,6 @@ def test_a_transition_is_the_matrix_exponential(rate: float) -> None:
     qv, qa, vv, va, av, aa = transition(rate, 0.01)
     F = expm(0.01 * np.array([[0, 1, 0], [0, 0, 1], [0, -(rate**2), -2 * rate]]))
     np.testing.assert_allclose([[1, qv, qa], [0, vv, va], [0, av, aa]], F, rtol=1e-9, atol=1e-12)
-
-
-def test_the_rate_gives_the_speed_its_standard_deviation() -> None:
-    push, std = 2500.0, 0.7
-    rate = float(speed_rate(np.array([push]), np.array([std]))[0])
-    A = np.array([[0.0, 1.0], [-(rate**2), -2.0 * rate]])
-    stationary = solve_continuous_lyapunov(A, -np.diag([0.0, push]))
-    assert np.sqrt(stationary[0, 0]) == pytest.approx(std)
 
 
 def test_a_process_that_decays_keeps_its_variance() -> None:

@@ -7,7 +7,6 @@ import pytest
 
 from arm.arm_file import load_arm
 from tracking.model.course import Course
-from tracking.model.discrepancy import Discrepancy, with_sizes
 from tracking.model.observation import observation_of
 from tracking.smoother.discrepancy_sizes import noise_variances, sizes_of
 from tracking.smoother.smoothing_pass import Pass
@@ -89,10 +88,3 @@ def test_sizes_are_expected_squares(dd_arm) -> None:
     assert sizes.lack_std == pytest.approx(0.5, rel=0.02)
     assert sizes.base_std == pytest.approx(1.2, rel=0.02)
     np.testing.assert_allclose(sizes.speed_std, np.sqrt((4.0 + 1.0 + 1.0) / 2.0))
-
-
-def test_a_course_takes_over_the_sizes() -> None:
-    one = with_sizes(OF, course(), Discrepancy(0.2, 0.3, 0.05, np.array([1.0, 0.0])), np.full((N, 6), 0.04))
-    np.testing.assert_allclose(one.noise * one.doubt, 0.04)
-    assert (one.lack_std.tolist(), one.base_std, one.memory_s) == ([0.2] * 6, 0.3, 0.05)
-    assert 0.0 < one.rate[0] < one.rate[1] < 120.0

@@ -6,13 +6,10 @@ import numpy as np
 import pytest
 from scipy.linalg import expm
 
-from tracking.kalman.forward_filter import filter_all
-from tracking.kalman.kalman_step import correct, filter_step, hold, predict, room_to_take
+from tracking.kalman.kalman_step import filter_step, room_to_take
 from tracking.model.course import Course
 from tracking.model.expected_readings import observe, room_of
 from tracking.model.observation import observation_of
-from tracking.model.process_noise import alarm_limit
-from tracking.model.zero_velocity import window_of
 from tracking.smoother.smoothing_pass import pass_of, smooth_in_stretches, smooth_once
 
 DT = 0.01
@@ -32,13 +29,14 @@ class Problem:
 
     def __init__(self, arm, case, seed=0, eventful=True):
         rng = np.random.default_rng(seed)
-        if case == "AC-coupled":
+        if "AC-coupled" in case:
             sensors = [replace(s, highpass_hz=2.0 * (k % 2)) for k, s in enumerate(arm.sensors)]
             arm = replace(arm, sensors=tuple(sensors))
         lacking = "discrepancy" in case
+        sought = case in ("mountings", "gyroscopes", "AC-coupled, sought")
         if "gyroscopes" in case:
             arm = arm.with_gyroscopes(["s2", "s3"])
-        self.of, self.size = observation_of(arm, case in ("mountings", "gyroscopes"), lacking, lacking)
+        self.of, self.size = observation_of(arm, sought, lacking, lacking)
         self.n = arm.n_joint
         n, n_channel = self.n, arm.n_channel
         jolt, doubt, rest = np.zeros((N, n)), np.ones((N, n_channel)), np.zeros((N, n))
@@ -230,27 +228,3 @@ def test_every_event_of_the_course_counts(dd_arm):
         other = Problem(dd_arm, "plain")
         other.course = other.course._replace(**{name: getattr(plain, name)})
         assert (np.abs(other.dense()[0] - states) > 0.01 * std).any(), name
-
-
-def test_the_forward_filter_ends_at_the_dense_solution(dd_arm):
-    """Each reading is linearised where it is predicted; linearised there, the dense problem has the same end."""
-    problem = Problem(dd_arm, "plain", eventful=False)
-    of, course, n = problem.of, problem.course, problem.n
-    at = np.empty((N, problem.size))
-    x, P = problem.x0.copy(), problem.P0.copy()
-    room, taken = room_of(n), room_to_take(course, problem.size, 1)[0]
-    for k in range(N):
-        if k > 0:
-            predict(of, course, k, x, P)
-        at[k] = x
-        correct(of, room, course, k, at[k], x, P, taken)
-        hold(course, k, x, P, taken)
-    problem.at = at
-    states, covariance = problem.dense()
-    found = np.empty((N, problem.size))
-    still, resting = np.zeros((2, N), dtype=np.bool_)
-    window = window_of(25, problem.size, course.noise, np.zeros_like(course.noise))
-    x, P, limit = problem.x0.copy(), problem.P0.copy(), 1e4 * alarm_limit(12)  # a miss is just a miss
-    filter_all(of, room, course, window, 1, limit, x, P, found, still, resting)
-    assert_close(found[-1], states[-1], covariance[-1])
-    np.testing.assert_array_equal(course.jolt, 0.0)
