@@ -62,8 +62,8 @@ class Followed:
         sample = factor * number + factor // 2
         lost = np.array([gap.samples for gap in run.gaps])
         begin = np.array([gap.row for gap in run.gaps]) + np.cumsum(lost) - lost
-        gap = np.searchsorted(begin, sample, side="right") - 1
-        inside: Bools = (gap >= 0) & (sample < (begin + lost)[gap])
+        begun, ended = (np.searchsorted(edge, sample, side="right") for edge in (begin, begin + lost))
+        inside: Bools = begun > ended
         return inside
 
 

@@ -4,7 +4,7 @@ A column is found by its address, see `protocol.tables.address`.
 """
 
 import re
-from collections.abc import Callable, Collection, Iterator, Mapping
+from collections.abc import Callable, Collection, Iterator, Mapping, Set
 from pathlib import Path
 from typing import TypeVar
 
@@ -103,7 +103,7 @@ class NestedFile:
         """
         columns = list(dict.fromkeys(column for group in groups.values() for column in group))
         found = {column: self._cells(column.address, _numbers(column), column.per_file) for column in columns}
-        motions = max((len(cells) for cells in found.values()), default=1)
+        motions = {len(cells) for cells in found.values()}
         found = {column: _by_motion(column, cells, motions) for column, cells in found.items()}
         labels = {} if label is None else {label: self._cells(label, _texts)}
         named = {column.address: cells for column, cells in found.items()}
@@ -139,10 +139,10 @@ class NestedFile:
         return [take(row_of(node, where, is_row), where)]
 
 
-def _by_motion(column: Column, cells: list[Floats], motions: int) -> list[Floats]:
+def _by_motion(column: Column, cells: list[Floats], motions: Set[int]) -> list[Floats]:
     """Part one number a motion, as a list of records gives them, into one cell a motion."""
-    if column.per_file and len(cells) == 1 and motions > 1 and len(cells[0]) == motions:
-        return [cells[0][k : k + 1] for k in range(motions)]
+    if column.per_file and len(cells) == 1 and len(cells[0]) in motions:
+        return [cells[0][k : k + 1] for k in range(len(cells[0]))]
     return cells
 
 

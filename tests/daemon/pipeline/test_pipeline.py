@@ -130,6 +130,19 @@ def test_samples_wait_until_the_rate_is_known_and_none_is_lost(
     assert samples_of(heard[FRAMES]) == pytest.approx(60 * FRAME / RATE_HZ * 1000.0, abs=2)  # frames at 1 kHz
 
 
+def test_where_nothing_was_sampled_yet_the_rate_is_what_the_device_says(
+    room: Make, counts: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here = room(setup_of(raw=True))
+    monkeypatch.setattr(here.reception, "knows_rate", lambda _now_ns: True)
+    here.pipeline.accept([])
+    here.play(60, counts)
+    here.pipeline.finish()
+    heard = here.heard()
+    assert samples_of(heard[FRAMES]) == pytest.approx(60 * FRAME / RATE_HZ * 1000.0, abs=2)
+    assert heard[RAW][0]["n"] > FRAME // 2
+
+
 def test_raw_samples_are_published_where_asked_for(room: Make, counts: np.ndarray) -> None:
     here = room()
     here.play(60, counts)

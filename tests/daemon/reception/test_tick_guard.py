@@ -12,21 +12,21 @@ from protocol.serial_frame import SamplesFrame
 N, P = 10, 1000
 
 
-def frame(number: int, off: int = 0) -> SamplesFrame:
-    return SamplesFrame(number, number * N * P + off, np.zeros((N, 3), dtype=np.int16))
+def frame(number: int, off: int = 0, p: int = P) -> SamplesFrame:
+    return SamplesFrame(number, number * N * p + off, np.zeros((N, 3), dtype=np.int16))
 
 
 class Entered:
     """Enters what a guard lets pass, as the reception does."""
 
-    def __init__(self, early_s: float = 0.0) -> None:
-        self.ledger = SampleLedger(1000.0, 1e6)
+    def __init__(self, early_s: float = 0.0, p: int = P) -> None:
+        self.ledger = SampleLedger(1000.0, 1000.0 * p)
         self.guard = TickGuard(self.ledger)
         self.early_s = early_s
         self.ticks: list[int] = []
         self.off: list[int | None] = []
         for number in range(1, 10):
-            self.take(frame(number))
+            self.take(frame(number, p=p))
 
     def take(self, *frames: SamplesFrame) -> None:
         for one in frames:
@@ -134,3 +134,32 @@ def test_where_frames_are_missing_a_clock_may_be_off_by_a_trifle(off: int, shown
     entered.take(frame(12, off))
     assert entered.ticks[-1] == 12 * N * P + shown and entered.ledger.lost_samples == 2 * N
     assert entered.guard.errors == (0 if shown else 1)
+
+
+#: Ticks a sample, odd, so that the tolerance is a whole number: half a sample and what rounding does.
+ODD, TOLERANCE = 1001, 502
+
+
+@pytest.mark.parametrize("sign", [1, -1])
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_a_clock_may_be_off_by_the_tolerance_and_no_more(beyond: int, sign: int) -> None:
+    entered = Entered(p=ODD)
+    assert entered.ledger.step.tolerance_ticks == TOLERANCE
+    entered.take(frame(10, sign * (TOLERANCE + beyond), ODD))
+    assert entered.guard.waiting == bool(beyond)
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_the_next_frame_clears_up_a_clock_within_the_tolerance(beyond: int) -> None:
+    entered = Entered(p=ODD)
+    entered.take(frame(10, -5 * N * ODD, ODD), frame(11, -TOLERANCE - beyond, ODD))
+    assert entered.guard.waiting == bool(beyond)
+    assert entered.ticks[10:] == ([] if beyond else [11 * N * ODD - TOLERANCE])
+
+
+@pytest.mark.parametrize("beyond", [0, 1])
+def test_after_a_loss_the_next_frame_follows_within_the_tolerance(beyond: int) -> None:
+    entered = Entered(p=ODD)
+    entered.take(frame(10, 3 * ODD, ODD), frame(11, 3 * ODD + TOLERANCE + beyond, ODD))
+    assert entered.ledger.lost_samples == 3
+    assert entered.guard.waiting == bool(beyond)

@@ -128,3 +128,16 @@ def test_the_truth_s_rows_are_as_far_apart_from_one_stretch_to_the_next(rate_hz:
     a = [joint.a_m for joint in load_arm("dd-arm").joints]
     expected = np.sqrt(a[0] ** 2 + a[1] ** 2 + 2.0 * a[0] * a[1] * np.cos(played[0].truth["q2"]))
     np.testing.assert_allclose(reach, expected, rtol=0, atol=1e-12)
+
+
+def test_motion_noise_and_gyroscopes_draw_from_streams_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
+    make, streams = np.random.default_rng, []
+
+    def noted(seed: list[int]) -> np.random.Generator:
+        streams.append(tuple(seed))
+        return make(seed)
+
+    monkeypatch.setattr(np.random, "default_rng", noted)
+    first(1, plan(1, 1.0, seed=4))
+    assert len(streams) == len(set(streams)) == 3
+    assert (4, 3) not in streams  # that is the line's

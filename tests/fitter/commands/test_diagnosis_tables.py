@@ -1,4 +1,4 @@
-"""Names of markers and sensors, and units, stand in a table as they are."""
+"""Names of markers, and units, stand in a table as they are."""
 
 import io
 from types import SimpleNamespace
@@ -6,7 +6,6 @@ from types import SimpleNamespace
 from rich.console import Console
 
 from fitter.commands.diagnose_markers import _distances
-from fitter.commands.diagnose_readings import _contradictions
 
 
 def shown(table):
@@ -25,8 +24,3 @@ def test_a_marker_is_called_what_the_recording_calls_it():
     )
     said = shown(_distances(finding))
     assert all(name in said for name in ("arm[1]", "arm[/1]", "a\\x1b[2J", "[mm]"))
-
-
-def test_a_sensor_is_called_what_the_arms_file_calls_it():
-    said = shown(_contradictions(SimpleNamespace(before={"s[1]": 0.5}, after={"s[1]": 0.25})))
-    assert "s[1]" in said and "[m/s^2]" in said

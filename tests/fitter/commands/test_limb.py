@@ -1,4 +1,4 @@
-"""From markers to a limb, its motion and its torques: `kinematics --body`, `track`, `torque`, `marker-set`."""
+"""From markers to a limb, its motion and its torques: `kinematics --body`, `track` and `torque`."""
 
 from dataclasses import replace
 
@@ -124,23 +124,6 @@ def test_the_genetic_algorithm_says_how_far_it_is_from_the_bundle_fit(fitter, tm
     assert "Genetic algorithm and bundle fit" in page.read_text()
 
 
-@pytest.mark.parametrize(
-    ("options", "said"),
-    [
-        (("--body", "human-arm-right", "--population", 50), "--population is given"),
-        (("--body", "human-arm-right", "--generations", 50), "--generations is given"),
-        (("--body", "human-body", "--method", "ga"), "expected it with one limb"),
-        (("--arm", "dd-arm", "--method", "bundle"), "expected it only with --body"),
-    ],
-)
-def test_what_a_method_does_not_take_is_an_error(fitter, tmp_path, recorded, options, said):
-    _, trial, marker_set = recorded
-    sets = ("--marker-set", marker_set) if "--body" in options else ()
-    learnt = fitter("kinematics", trial, *options, *sets, "--out", tmp_path / "arm.toml")
-    assert learnt.code == 2
-    assert said in " ".join(learnt.errors)
-
-
 def test_torque_at_rest_on_a_standing_base_is_that_of_the_arm(fitter, tmp_path):
     arm = load_arm("human-arm-right")
     save_arm(arm, tmp_path / "arm.toml")
@@ -192,14 +175,6 @@ def test_a_force_of_a_table_acts_on_its_link(fitter, tmp_path):
         tmp_path / "c.npz",
     )
     assert wrong.code == 2 and "no such plate" in wrong.errors[0]
-
-
-def test_a_draft_of_a_marker_set_names_the_clusters(fitter, tmp_path, recorded):
-    _, trial, _ = recorded
-    drafted = fitter("marker-set", trial, "--out", tmp_path / "draft.toml")
-    assert drafted.code == 0, drafted.errors
-    assert any(set(one["markers"]) == {"B1", "B2", "B3", "B4"} for one in drafted.document["clusters"])
-    assert "cluster_1" in (tmp_path / "draft.toml").read_text()
 
 
 def test_mistakes_are_sentences(fitter, tmp_path, recorded):

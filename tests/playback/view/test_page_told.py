@@ -258,3 +258,25 @@ def test_the_time_line_shows_the_whole_motion_or_what_was_heard(
     for _ in range(2):
         refreshed(shown)
         assert drawn[-1] == (1.0, []) and taken == [motion]
+
+
+def test_before_the_first_picture_time_stands_at_zero(page: MakePage, monkeypatch: pytest.MonkeyPatch) -> None:
+    shown, stream = page()
+    drawn: list[float] = []
+    monkeypatch.setattr(shown._timeline, "draw", lambda position_s, _rows: drawn.append(position_s))
+    refreshed(shown)
+    stream.picture = picture_of()
+    refreshed(shown)
+    assert drawn == [0.0, 1.0]
+
+
+def test_where_the_arm_can_be_touched_the_page_says_how_it_goes() -> None:
+    held = SimpleNamespace(rows=lambda: [("Force", "1.25 N")], follow=lambda _tip: None)
+    with web_server(Visitors("127.0.0.1"), 0, "limbplay") as server:
+        plain, touched = (
+            on_loop(server, lambda handle=handle: Page(server, Stream(), None, ARM, None, handle))
+            for handle in (None, held)
+        )
+        refreshed(plain)
+        refreshed(touched)
+        assert plain._touch is None and "1.25 N" in touched._touch.content

@@ -7,7 +7,7 @@ import pytest
 
 from arm.bench import Bench
 from tracking.kalman.kalman_filter import KalmanTracker
-from tracking.kalman.multiple_model_filter import MultipleModelFilter
+from tracking.kalman.multiple_model_filter import MultipleModelFilter, _stretches
 from tracking.model.decimation import Decimator
 from tracking.model.expected_readings import observe, room_of
 from tracking.model.noise import noise_of
@@ -100,3 +100,25 @@ def test_after_an_hour_the_angles_are_about_where_they_were(level_bench):
     after, _ = tracker.push(round((begin + hour) * level_bench.dt_ns), level_bench.readings[6000:8000])
     assert np.abs(level_bench.dq[begin]).max() > 0.3
     assert max(np.abs(f.q - level_bench.q[begin]).max() for f in after) < 2.0
+
+
+@pytest.mark.parametrize(
+    ("flags", "parts"), [("00110", "00 11 0"), ("1", "1"), ("000", "000"), ("0101", "0 1 0 1")]
+)
+def test_frames_are_parted_where_some_are_lost_and_some_are_not(flags: str, parts: str) -> None:
+    found = _stretches(np.array([flag == "1" for flag in flags]))
+    assert " ".join(flags[part] for part in found) == parts
+
+
+@pytest.mark.parametrize(
+    ("apart", "alike"), [(0.0, True), (0.019, True), (-0.019, True), (0.021, False), (-2.0, False)]
+)
+def test_ways_are_the_same_that_turn_at_the_same_speeds(seen, apart: float, alike: bool) -> None:
+    arm, readings, noise = seen
+    cell, n_cell = window_frames(FACTOR / RATE_HZ)
+    one = MultipleModelFilter(arm, np.zeros(2), True, readings[: cell * n_cell], noise, FACTOR, FACTOR / RATE_HZ)
+    x = np.arange(1.0, 19.0)
+    other = x + 5.0  # angles, accelerations and offsets have no say
+    other[[1, 4]] = x[1], x[4] + apart
+    assert one._alike(x, other) is alike
+    assert one._alike(other, x) is alike

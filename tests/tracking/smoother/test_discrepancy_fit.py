@@ -6,10 +6,11 @@ import pytest
 from arm.model import Arm
 from tests.tracking.smoother.test_discrepancy_smoother import case
 from tracking.model.course import course_of
+from tracking.model.discrepancy import Discrepancy
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.observation import observation_of
 from tracking.model.process_noise import SMOOTHER_PUSH_STD
-from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, departure, likeliest
+from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
 
 
 def fit_of(arm: Arm, seed: int, memory_s: float) -> DiscrepancyFit:
@@ -60,3 +61,17 @@ def test_a_race_is_won_by_the_likeliest_and_the_hopeless_give_up() -> None:
 def test_prior_odds_against_a_kind_count() -> None:
     racers = [Racer(0.0), Racer(10.0)]
     assert likeliest(racers, [0.0, 11.0], lambda: None) is racers[0]
+
+
+@pytest.mark.parametrize("base", [True, False])
+def test_before_the_first_reading_what_is_lacking_is_as_large_as_ever(dd_arm: Arm, base: bool) -> None:
+    of, size = observation_of(dd_arm, base=base, lack=True)
+    start = np.arange(float(size)), 7.0 * np.eye(size)
+    x, P = before(of, start, Discrepancy(0.3, 0.5, 0.1, np.ones(2)))
+    expected = np.full(size, 7.0)
+    expected[of.lack_column : of.lack_column + 12] = 0.09
+    if base:
+        expected[of.base_column : of.base_column + 3] = 0.25
+    np.testing.assert_allclose(P, np.diag(expected))
+    np.testing.assert_array_equal(x, start[0])
+    np.testing.assert_array_equal(start[1], 7.0 * np.eye(size))

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, minimize_scalar
 
 from arm.arm_file import load_arm
 from tracking.model.course import Course
@@ -88,3 +89,24 @@ def test_sizes_are_expected_squares(dd_arm) -> None:
     assert sizes.lack_std == pytest.approx(0.5, rel=0.02)
     assert sizes.base_std == pytest.approx(1.2, rel=0.02)
     np.testing.assert_allclose(sizes.speed_std, np.sqrt((4.0 + 1.0 + 1.0) / 2.0))
+
+
+def test_the_scale_of_all_instants_is_students_likeliest() -> None:
+    """An instant alone, six readings, is pulled to it by four degrees of freedom; one axis in three is loud."""
+    rng, one = np.random.default_rng(5), course()._replace(dt=1.0)
+    noise = rng.standard_t(4.0, (N, 6)) * np.tile([1.0, 0.3, 0.3], 2)
+    s = np.square(noise).reshape(N, 2, 3).sum(axis=2)
+
+    def unlikely(log_scale: float) -> float:
+        return float(np.sum(1.5 * log_scale + 3.5 * np.log1p(s / (4.0 * np.exp(log_scale)))))
+
+    overall = np.exp(minimize_scalar(unlikely, bounds=(-5.0, 5.0), method="bounded", options={"xatol": 1e-9}).x)
+    variance = noise_variances(OF, one, found(noise, one.noise * one.doubt))
+    for k in range(0, N, 500):
+
+        def off(v: float, k: int = k) -> float:
+            return (4.0 * overall + 2.0 * np.mean(7.0 * s[k] / (4.0 + s[k] / v))) / 10.0 - v
+
+        local = brentq(off, 1e-6, 1e3)
+        weighed = local * (4.0 + s[k] / local) / 7.0
+        np.testing.assert_allclose(variance[k], np.repeat(weighed, 3), rtol=0.02)

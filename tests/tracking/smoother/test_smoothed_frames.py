@@ -1,10 +1,16 @@
 """What the smoother gives out, in the form in which a tracker does."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 from arm.kinematics import sensor_positions, tip_position
-from tracking.smoother.smoothed_frames import smooth_motion
+from arm.model import SensorCovariance
+from tracking.model.initial_state import ROUGH, MountingPrior
+from tracking.smoother import smoothed_frames
+from tracking.smoother.smoothed_frames import most_probable, smooth_motion
 
 RATE_HZ = 250.0
 
@@ -68,3 +74,20 @@ def test_a_gap_is_said(upright_bench, decimated, gather):
         assert np.isfinite(values).all()
     tracked = gather(upright_bench, [found.frames], found.phases)
     assert (np.abs(tracked.q - tracked.truth()) < 4 * found.frames.q_std).mean() > 0.99
+
+
+@pytest.mark.parametrize("calibrated", [True, False])
+def test_only_sensors_that_were_never_calibrated_may_sit_otherwise(monkeypatch, dd_arm, calibrated):
+    covariance = SensorCovariance(("s1 bias_x",), ((1.0,),)) if calibrated else None
+    arm, tried = replace(dd_arm, sensor_covariance=covariance), []
+
+    def smoother(*made):
+        tried.append(made[3:])
+        return SimpleNamespace(smooth=lambda *_, **__: SimpleNamespace(is_exact=False, discrepancy=None))
+
+    robust = SimpleNamespace(smooth=lambda *_, **__: "with what the model lacks")
+    monkeypatch.setattr(smoothed_frames, "Smoother", smoother)
+    monkeypatch.setattr(smoothed_frames, "DiscrepancySmoother", lambda *_: robust)
+    assert most_probable(arm, None, np.zeros(2), True) == "with what the model lacks"
+    otherwise = [(MountingPrior(), False), (MountingPrior(), True), (ROUGH, False), (ROUGH, True)]
+    assert tried == ([(None, False), (None, True)] if calibrated else [(None, False), *otherwise])
