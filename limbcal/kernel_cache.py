@@ -78,7 +78,8 @@ def _parts(function: Callable[..., object], seen: set[int]) -> Iterator[str]:
     yield function.__module__  # machine code names the modules that it was made of, and imports them
     yield from _of_code(code, getattr(function, "__doc__", None))
     for kind in getattr(function, "__annotations__", {}).values():  # what is handed to it has a module, too
-        yield from _of_value(kind, seen)
+        if isinstance(kind, type):
+            yield from _of_value(kind, seen)
     known = {**function.__globals__}
     for name, cell in zip(code.co_freevars, getattr(function, "__closure__", None) or (), strict=False):
         known[name] = cell.cell_contents
@@ -98,10 +99,10 @@ def _of_value(value: Any, seen: set[int]) -> Iterator[str]:
     elif isinstance(value, tuple | list | frozenset):
         for item in value:
             yield from _of_value(item, seen)
-    elif hasattr(value, "tobytes") and hasattr(value, "dtype"):
-        yield f"{value.dtype}{getattr(value, 'shape', ())}{hashlib.sha256(value.tobytes()).hexdigest()}"
     elif isinstance(value, type):
         yield f"{value.__module__}.{value.__qualname__}{getattr(value, '_fields', '')}"
+    elif hasattr(value, "tobytes") and hasattr(value, "dtype"):
+        yield f"{value.dtype}{getattr(value, 'shape', ())}{hashlib.sha256(value.tobytes()).hexdigest()}"
 
 
 def _of_code(code: types.CodeType, words: str | None = None) -> Iterator[str]:

@@ -119,3 +119,9 @@ def test_kernels_that_call_each_other_have_a_digest():
     space.f = made("def f(x):\n    return g(x)", g=None)
     space.f.__globals__["g"] = numba.njit(made("def f(x):\n    return h(x)", h=space.f))
     assert len(digest_of(space.f)) == 64
+
+
+def test_a_digest_names_the_types_that_are_handed_over():
+    text = "def f(x: Kind, y: list[int]):\n    return x"
+    whole, array, number = (digest_of(made(text, Kind=kind)) for kind in (int, np.ndarray, float))
+    assert len({whole, array, number}) == 3

@@ -61,7 +61,7 @@ def test_the_document_has_what_is_left_as_one_share() -> None:
     assert cause["sensors"] == ["s1"] and cause["support"] == 0.9
     assert candidate == {"effect": "sensor_misalignment", "sensors": ["s1", "s2"], "gain": 0.75, "support": 0.9}
     assert one["confusable"] == [["a", "b"]] and one["gain"]["readings"] == 0.9
-    assert one["residual"] == {"explained": 0.4, "white": True, "depends_on": []}
+    assert {"explained": 0.4, "white": True, "depends_on": []}.items() <= one["residual"].items()
 
 
 def test_where_nothing_was_wrong_nothing_is_left() -> None:

@@ -33,6 +33,8 @@ def finding(**changes: object) -> SensorFinding:
         {"s1": 0.0213, "s2": 0.0124},
         0.9,
         7.0,
+        5.0,
+        1.02,
         SensorResidual(0.4, True, ()),
         load_arm("dd-arm"),
         Course(t, before, 0.1 * before, before),
