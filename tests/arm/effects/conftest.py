@@ -1,62 +1,109 @@
-"""Arms to try effects on, and what gives them some."""
+"""What effects do in the small: a joint's resistance, where it lets go, what sensors read, what numbers may be."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
-import scipy.linalg
 
-from arm.arm_file import load_arm
-from arm.model import Arm, Control, Effect, Floats, Friction, Joint, Link
+from arm.bench import SensorErrors, Sensors
+from arm.counts import COUNT_M_S2
+from arm.effects.catalogue import catalogue
+from arm.effects.check import mistakes_in
+from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, N_STATE, TAU, VISCOUS, Q, T, torque_along
+from arm.model import Arm, Effect, Floats
+from arm.simulation import Motion, simulate
+
+STEP_S = 1e-3
+#: A state in which nothing is zero, so that an effect cannot depend on what it should not and go unseen.
+STATE = {"t": 2.3, "q": 0.41, "dq": -0.87, "tau": 1.9, "viscous": 0.6, "coulomb": 0.35}
+COLUMNS = {"t": T, "q": Q, "dq": DQ, "direction": DIRECTION, "tau": TAU, "viscous": VISCOUS, "coulomb": COULOMB}
 
 
-def _rubbing(arm: Arm, *levels: float) -> Arm:
-    return replace(arm, joints=tuple(replace(joint, friction=Friction(*levels)) for joint in arm.joints))
+def _resists(name: str, numbers: Mapping[str, float], **state: object) -> Floats:
+    kind, values = catalogue()[name], {**STATE, **state}
+    values.setdefault("direction", np.sign(np.asarray(values["dq"])))
+    rows = np.broadcast_arrays(*(np.atleast_1d(np.asarray(values[column], dtype=float)) for column in COLUMNS))
+    states = np.zeros((len(rows[0]), N_STATE))
+    for column, row in zip(COLUMNS.values(), rows, strict=True):
+        states[:, column] = row
+    return torque_along(kind, np.array([numbers[p.name] for p in kind.parameters if p.name in numbers]), states)
 
 
-def _having(arm: Arm, name: str, /, joint: int = 1, **numbers: object) -> Arm:
-    whole = name in ("payload", "gravity_tilt")
-    return replace(arm, effects=(*arm.effects, Effect(name, numbers, () if whole else (joint,))))
+def _let_go(arm: Arm, rate: float = 1.0, seconds: float = 3.0) -> float:
+    torque = rate * np.arange(round(seconds / STEP_S))[:, None] * STEP_S
+    motion = simulate(arm, torque, STEP_S, np.zeros(1), torque=torque)
+    return float(torque[np.flatnonzero(motion.dq[:, 0])[0], 0]) - rate * STEP_S
 
 
-def _linear(A: Floats, b: Floats, x0: Floats, t: Floats) -> Floats:
-    whole = np.block([[A, b[:, None]], [np.zeros((1, len(b) + 1))]])
-    return np.array([(scipy.linalg.expm(whole * instant) @ np.append(x0, 1.0))[: len(b)] for instant in t])
+def _swung(arm: Arm, n_sample: int = 800, **options: float) -> Motion:
+    ref = 0.2 + np.sin(np.arange(n_sample)[:, None] * STEP_S * np.array([4.0, 5.0, 6.0]))
+    return simulate(arm, ref, STEP_S, np.full(3, 0.2), **options)
+
+
+def _read(arm: Arm, parts: Sequence[Motion]) -> Floats:
+    shape = (len(arm.sensors), 3)
+    perfect = SensorErrors(0.0, np.zeros(shape), np.ones(shape), np.zeros(shape), np.zeros(shape))
+    sensors = Sensors(arm, perfect, 1.0 / STEP_S, np.random.default_rng(0))
+    counts = np.vstack([sensors.counts(part) for part in parts])
+    return counts.reshape(len(counts), -1, 3) * COUNT_M_S2
+
+
+def _on_sensor(arm: Arm, name: str, **numbers: float) -> Arm:
+    return replace(arm, effects=(Effect(name, numbers, (), () if catalogue()[name].whole else ("s3",)),))
+
+
+def _accepts(name: str, **numbers: object) -> bool:
+    kind = catalogue()[name]
+    on = {"joints": (1,), "sensors": ("s1",), "markers": ("A", "B")[: kind.exactly or 1], "arm": ()}[kind.acts_on]
+    entry = {"name": name, "parameters": numbers, kind.acts_on: on}
+    return not list(mistakes_in([entry], 1, ["s1"], ["A", "B"]))
+
+
+def _ranges(name: str, number: str, low: float, high: float, **others: object) -> None:
+    may = partial(_accepts, name, **others)
+    assert may(**{number: low}) and may(**{number: high})
+    assert not may(**{number: np.nextafter(low, -np.inf)}) and not may(**{number: np.nextafter(high, np.inf)})
 
 
 @pytest.fixture(scope="session")
-def arm() -> Arm:
-    """Return the spatial arm with friction, and gravity that shows where each joint's zero is."""
-    return replace(_rubbing(load_arm("spatial-arm"), 0.3, 0.2, 0.0), gravity_m_s2=(2.0, 1.0, -9.5))
+def resists() -> Callable[..., Floats]:
+    """Return what tells with how much a joint resists: by effect, its numbers, and states that differ."""
+    return _resists
 
 
 @pytest.fixture(scope="session")
-def wheel() -> Arm:
-    """Return one level joint without friction whose inertia is 0.5 kg m^2."""
-    link = Link(1.0, (0.0, 0.0, 0.0), (0.5, 0.5, 0.5, 0.0, 0.0, 0.0))
-    return Arm("wheel", (Joint(a_m=0.4, link=link),), control=Control("pd", (8.0,), (-2.0,)))
+def let_go() -> Callable[..., float]:
+    """Return what tells at which torque [N m] a resting wheel moves that is pulled harder and harder."""
+    return _let_go
 
 
 @pytest.fixture(scope="session")
-def having() -> Callable[..., Arm]:
-    """Return what gives an arm one more effect, in one of its joints unless it is one of the whole arm."""
-    return _having
+def swung() -> Callable[..., Motion]:
+    """Return what moves the arm under its controller, every joint to and fro."""
+    return _swung
 
 
 @pytest.fixture(scope="session")
-def rubbing() -> Callable[..., Arm]:
-    """Return what gives all joints the same friction: viscous, Coulomb, static."""
-    return _rubbing
+def read() -> Callable[..., Floats]:
+    """Return what perfect sensors read of motions one after the other, (n_sample, n_sensor, 3) [m/s^2]."""
+    return _read
 
 
 @pytest.fixture(scope="session")
-def held() -> Callable[[float, int], Floats]:
-    """Return what makes a target of one joint that stays."""
-    return lambda target, n_sample: np.full((n_sample, 1), target)
+def on_sensor() -> Callable[..., Arm]:
+    """Return what gives an arm's sensor s3 one effect, or all of them one of the arm as a whole."""
+    return _on_sensor
 
 
 @pytest.fixture(scope="session")
-def linear() -> Callable[..., Floats]:
-    """Return what solves ``x' = A x + b`` from ``x0``, at every ``t``."""
-    return _linear
+def accepts() -> Callable[..., bool]:
+    """Return what tells whether an arm file may have an effect with these numbers."""
+    return _accepts
+
+
+@pytest.fixture(scope="session")
+def ranges() -> Callable[..., None]:
+    """Return what asserts that a number may go from ``low`` to ``high`` and no further, the others given."""
+    return _ranges
