@@ -63,7 +63,8 @@ def _accepts(name: str, **numbers: object) -> bool:
 
 def _ranges(name: str, number: str, low: float, high: float, **others: object) -> None:
     may = partial(_accepts, name, **others)
-    assert may(**{number: low}) and may(**{number: high})
+    for value in (low, np.nextafter(low, high), np.nextafter(high, low), high):
+        assert may(**{number: value})
     assert not may(**{number: np.nextafter(low, -np.inf)}) and not may(**{number: np.nextafter(high, np.inf)})
 
 
