@@ -108,8 +108,6 @@ def centre_points(arm: Arm, where: LimbMap) -> dict[str, Floats]:
     """Return the joints' centres with all joints at zero, in frame 0, (3,) [m] each; the far end comes last."""
     frames = axis_frames(arm, np.zeros(arm.n_joint))[0]
     points = {name: np.array(frames[k, :3, 3]) for name, k in where.centres.items()}
-    if "shoulder" in points and where.base == "thorax":
-        points["shoulder"] = np.array(frames[where.balls[0], :3, 3])
     end = frames[-1, :3, 3] + arm.joints[-1].a_m * frames[-1, :3, 0]
     return points | {"fingers" if "wrist" in points else "toes": end}
 
