@@ -12,8 +12,8 @@ from hypothesis import strategies as st
 from arm.arm_file import format_arm, load_arm, parse_arm, preset_names, save_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Control, Effect, Estimate, Friction, Joint, Link, Marker, Sensor, Tip
-from limbcal.errors import DeviceError
-from tests.arm.every_table import EVERYTHING
+from limbcal.errors import ConfigError, DeviceError
+from tests.arm.every_table import EFFECT, EVERYTHING
 
 FEW = settings(max_examples=60, deadline=None)
 NUMBER = st.floats(allow_nan=False, allow_infinity=False)
@@ -185,3 +185,31 @@ def test_the_presets_are_written_as_people_would(dd_arm):
     text = format_arm(dd_arm)
     assert tomllib.loads(text)["joint"][1]["a_m"] == 0.3
     assert "np." not in text and max(map(len, text.splitlines())) < 160
+
+
+def test_effects_may_be_as_small_as_nothing():
+    """Numbers that make an effect neutral are numbers it may have, even if they are infinite."""
+    limit = '[[effect]]\nname = "torque_saturation"\njoints = [1, 2]\nparameters = { limit_N_m = inf }\n'
+    arm = parse_arm(EVERYTHING.replace(EFFECT, limit), "it")
+    assert arm.effects == (Effect("torque_saturation", {"limit_N_m": math.inf}, (1, 2)),)
+    assert parse_arm(format_arm(arm), "it") == arm
+
+
+def test_what_is_no_toml_is_told_with_its_line():
+    with pytest.raises(ConfigError, match="arm.toml: not TOML: .*line 3"):
+        parse_arm('schema = 1\nname = "x"\ngravity = [0.0,, 1.0]\n', "arm.toml")
+
+
+def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
+    with pytest.raises(ConfigError) as caught:
+        load_arm(tmp_path / "no.toml")
+    assert str(caught.value) == (
+        f"arm '{tmp_path}/no.toml': No such file or directory; expected an arm file or one of "
+        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-body, human-leg-left, "
+        "human-leg-right, spatial-arm"
+    )
+    with pytest.raises(ConfigError, match="Is a directory"):
+        load_arm(tmp_path)
+    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
+    with pytest.raises(ConfigError, match="expected UTF-8 text"):
+        load_arm(tmp_path / "bytes.toml")

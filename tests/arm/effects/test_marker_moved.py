@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.arm_file import load_arm
 from arm.effects.marker_effects import marked_in
+from arm.effects.marker_moved import EFFECT
 from arm.model import Effect, Marker
 
 MOVED = {"x_m": 0.01, "y_m": 0.03, "z_m": -0.02}
@@ -24,6 +25,13 @@ def test_moved_there_and_back_it_is_where_it_was():
     both = tuple(Effect("marker_moved", numbers, markers=("A", "B")) for numbers in (MOVED, back))
     for found, was in zip(marked_in(replace(ARM, effects=both), 1).markers, MARKERS, strict=True):
         np.testing.assert_allclose(found.position_m, was.position_m, atol=1e-15)
+
+
+def test_with_its_neutral_numbers_it_stays():
+    neutral = {p.name: p.neutral for p in EFFECT.parameters if not p.optional}
+    assert (
+        marked_in(replace(ARM, effects=(Effect("marker_moved", neutral, markers=("A",)),)), 1).markers == MARKERS
+    )
 
 
 def test_what_it_may_be(ranges, accepts):

@@ -1,11 +1,10 @@
-"""Mistakes in an arm file: every one is a sentence that names its field."""
-
-import math
+"""The schema of arm files: every mistake is a sentence that names its field."""
 
 import pytest
 
-from arm.arm_file import format_arm, load_arm, parse_arm
-from arm.model import Effect
+from arm.arm_file import format_arm, parse_arm
+from arm.arm_schema import ArmTable, contradictions
+from arm.model import Base, Body, Gyroscope, Marker, Sensor, SensorCovariance
 from limbcal.errors import ConfigError
 from tests.arm.every_table import EFFECT, EVERYTHING
 
@@ -93,98 +92,6 @@ def test_a_sensor_needs_a_tip_to_be_there():
     assert mistakes(text) == ["arm.toml: tip.sensor is 's1', expected one of no sensor"]
 
 
-def test_what_is_no_toml_is_told_with_its_line():
-    (found,) = mistakes('schema = 1\nname = "x"\ngravity = [0.0,, 1.0]\n')
-    assert found.startswith("arm.toml: not TOML: ") and "line 3" in found
-
-
-def test_a_file_that_is_not_there_is_named_with_the_arms_that_are(tmp_path):
-    with pytest.raises(ConfigError) as caught:
-        load_arm(tmp_path / "no.toml")
-    assert str(caught.value) == (
-        f"arm '{tmp_path}/no.toml': No such file or directory; expected an arm file or one of "
-        "dd-arm, dd-arm-vertical, human-arm-left, human-arm-right, human-body, human-leg-left, "
-        "human-leg-right, spatial-arm"
-    )
-    with pytest.raises(ConfigError, match="Is a directory"):
-        load_arm(tmp_path)
-    (tmp_path / "bytes.toml").write_bytes(b"\xff\xfe")
-    with pytest.raises(ConfigError, match="expected UTF-8 text"):
-        load_arm(tmp_path / "bytes.toml")
-
-
-@pytest.mark.parametrize(
-    ("effect", "sentence"),
-    [
-        ('name = "magic"', "effect[0].name is 'magic', expected one of actuator_delay, actuator_lag, air_drag"),
-        ("name = 3", "effect[0].name is 3; input should be a valid string"),
-        ('name = "viscous"\njoints = [3]\nparameters = { viscous_N_m_s = 0.1 }', "joints has 3, expected 1 to 2"),
-        (
-            'name = "viscous"\nparameters = { viscous_N_m_s = 0.1 }',
-            "effect[0].joints is missing: viscous acts on joints",
-        ),
-        ('name = "viscous"\njoints = [1]', "effect[0].parameters.viscous_N_m_s is missing"),
-        (
-            'name = "viscous"\njoints = [1]\nparameters = { viscous_N_m_s = true }',
-            "is True, expected a number from -1000",
-        ),
-        (
-            'name = "viscous"\njoints = ["1"]\nparameters = { viscous_N_m_s = 1 }',
-            "joints[0] is '1'; input should be",
-        ),
-        (
-            'name = "backlash"\njoints = [1]\nparameters = { gap_rad = -0.1 }',
-            "gap_rad is -0.1, expected a number from 0 to",
-        ),
-        (
-            'name = "backlash"\njoints = [1]\nparameters = { gap_m = 0.1, gap_rad = 0.1 }',
-            "gap_m is not known, expected gap_r",
-        ),
-        (
-            'name = "time_skew"\nsensors = ["s9"]\nparameters = { delay_s = 0.1 }',
-            "has 's9', expected one of s1, s4",
-        ),
-        (
-            'name = "time_skew"\nparameters = { delay_s = 0.1 }',
-            "effect[0].sensors is missing: time_skew acts on sensors",
-        ),
-        (
-            'name = "time_skew"\njoints = [1]\nsensors = ["s1"]\nparameters = { delay_s = 0.1 }',
-            "effect[0].joints is [1], but time_skew acts on sensors",
-        ),
-        (
-            'name = "payload"\njoints = [2]\nparameters = { mass_kg = 0.1 }',
-            "but payload acts on the arm as a whole",
-        ),
-        (
-            'name = "payload"\nparameters = { mass_kg = 0.1, trials = 2 }',
-            "trials is 2, expected a list of whole numbers",
-        ),
-        (
-            'name = "payload"\nparameters = { mass_kg = 0.1, trials = [0] }',
-            "trials is [0], expected a list of whole numbers",
-        ),
-        (
-            'name = "gain_error"\njoints = [1]\nparameters = { factor = 0.5 }\n[[effect]]\n'
-            'name = "gain_error"\njoints = [2, 1]\nparameters = { factor = 0.5 }',
-            "effect[1]: joint 1 has the effect gain_error already",
-        ),
-    ],
-)
-def test_a_mistake_in_an_effect_is_a_sentence(effect, sentence):
-    assert EFFECT in EVERYTHING
-    (found,) = mistakes(EVERYTHING.replace(EFFECT, f"[[effect]]\n{effect}\n"), "it")
-    assert found.startswith("it: effect[") and sentence in found
-
-
-def test_effects_may_be_as_small_as_nothing():
-    """Numbers that make an effect neutral are numbers it may have, even if they are infinite."""
-    limit = '[[effect]]\nname = "torque_saturation"\njoints = [1, 2]\nparameters = { limit_N_m = inf }\n'
-    arm = parse_arm(EVERYTHING.replace(EFFECT, limit), "it")
-    assert arm.effects == (Effect("torque_saturation", {"limit_N_m": math.inf}, (1, 2)),)
-    assert parse_arm(format_arm(arm), "it") == arm
-
-
 def test_limits_the_wrong_way_round_are_named(dd_arm) -> None:
     text = format_arm(dd_arm).replace("[[joint]]", "[[joint]]\nlimits = [1.0, -1]", 1)
     with pytest.raises(ConfigError, match=r"joint\[0\].limits is \[1.0, -1\], expected the least one first"):
@@ -214,3 +121,87 @@ def test_a_name_cannot_lead_out_of_a_folder(name, said):
             parse_arm(
                 f'schema = 1\nname = "a"\n[[joint]]\na_m = 1.0\n[[sensor]]\nname = "{name}"\njoint = 1\n', "x"
             )
+
+
+def test_an_effects_mistakes_are_those_of_the_file():
+    wrong = '[[effect]]\nname = "backlash"\njoints = [3, "1"]\nparameters = { gap_rad = -0.1 }\n'
+    assert EFFECT in EVERYTHING
+    assert mistakes(EVERYTHING.replace(EFFECT, wrong), "it") == [
+        "it: effect[0].joints[1] is '1'; input should be a valid integer",
+        "it: effect[0].joints has 3, expected 1 to 2",
+        "it: effect[0].parameters.gap_rad is -0.1, expected a number from 0 to 1",
+    ]
+
+
+def test_what_has_the_wrong_type_contradicts_nothing():
+    raw = {
+        "joint": [3, {"parent": True, "limits": ["a", 1]}],
+        "sensor": "s1",
+        "tip": 4,
+        "control": 5,
+        "effect": {},
+    }
+    assert contradictions(raw, "it") == []
+    assert contradictions({"sensor": [{"name": 3, "joint": "2"}, {"name": 3}], "tip": {"sensor": 7}}, "it") == []
+
+
+def test_without_joints_nothing_rides_too_far_out():
+    raw = {"sensor": [{"name": "a", "joint": 4}], "control": {"law": "pd"}}
+    assert contradictions(raw, "it") == []
+    assert contradictions({**raw, "joint": [{}] * 4, "control": {}}, "it") == []
+    assert contradictions({**raw, "joint": [{}] * 3, "control": {}}, "it") == [
+        "it: sensor[0].joint is 4, expected 1 to 3"
+    ]
+
+
+@pytest.mark.parametrize(
+    ("law", "needed"), [("pd", {"kp", "kv"}), ("pda", {"kp", "kv", "ka"}), ("p", {"kp"}), ("measured", set())]
+)
+def test_each_law_needs_its_own_gains(law, needed):
+    said = contradictions({"joint": [{}], "control": {"law": law}}, "it")
+    assert said == [
+        f"it: control.{gain} has 0 numbers, expected one a joint (1)"
+        for gain in ("kp", "kv", "ka")
+        if gain in needed
+    ]
+
+
+def test_limits_that_are_equal_leave_no_range():
+    assert contradictions({"joint": [{"limits": [1, 1]}]}, "it") == [
+        "it: joint[0].limits is [1, 1], expected the least one first"
+    ]
+
+
+def test_two_of_a_name_are_told_apart():
+    raw = {
+        "joint": [{}],
+        "marker": [{"name": "A", "joint": 1}, {"name": "B", "joint": 0}, {"name": "A", "joint": 2}],
+    }
+    assert contradictions(raw, "it") == [
+        "it: marker[2].joint is 2, expected 0 to 1",
+        "it: marker[2].name is 'A', which marker[0] has already",
+    ]
+
+
+def test_what_is_left_out_is_what_the_model_has():
+    arm = ArmTable.model_validate({"schema": 1, "name": "x", "joint": [{}]}).arm()
+    assert arm == type(arm)("x", (type(arm.joints[0])(),))
+
+
+def test_rarer_tables_become_parts_of_the_arm():
+    raw = {
+        "schema": 1,
+        "name": "x",
+        "joint": [{"link": {"air_drag_N_m_s2": 0.5}}],
+        "sensor": [{"name": "s1", "joint": 1, "gyroscope": {"bias_rad_s": [0.1, 0.2, 0.3]}}],
+        "sensor_covariance": {"parameters": ["s1 bias_x"], "covariance": [[0.04]]},
+        "base": {"segment": "pelvis"},
+        "marker": [{"name": "A", "joint": 0, "landmark": "c7"}],
+        "body": {"preset": "human-body", "mass_kg": 70, "height_m": 1.75, "sex": "f"},
+    }
+    arm = ArmTable.model_validate(raw).arm()
+    assert arm.joints[0].link.air_drag_N_m_s2 == 0.5
+    assert arm.sensors == (Sensor("s1", 1, gyroscope=Gyroscope(bias_rad_s=(0.1, 0.2, 0.3))),)
+    assert arm.sensor_covariance == SensorCovariance(("s1 bias_x",), ((0.04,),))
+    assert (arm.base, arm.markers) == (Base(segment="pelvis"), (Marker("A", 0, landmark="c7"),))
+    assert arm.body == Body("human-body", 70.0, 1.75, "f")
