@@ -4,7 +4,7 @@ import pytest
 
 from arm.arm_file import format_arm, parse_arm
 from arm.arm_schema import ArmTable, contradictions
-from arm.model import Base, Body, Gyroscope, Marker, Sensor, SensorCovariance
+from arm.model import Arm, Base, Body, Effect, Gyroscope, Joint, Marker, Sensor, SensorCovariance, Tip
 from limbcal.errors import ConfigError
 from tests.arm.every_table import EFFECT, EVERYTHING
 
@@ -184,8 +184,26 @@ def test_two_of_a_name_are_told_apart():
 
 
 def test_what_is_left_out_is_what_the_model_has():
-    arm = ArmTable.model_validate({"schema": 1, "name": "x", "joint": [{}]}).arm()
-    assert arm == type(arm)("x", (type(arm.joints[0])(),))
+    raw = {
+        "schema": 1,
+        "name": "x",
+        "joint": [{"friction": {}, "link": {}}],
+        "sensor": [{"name": "s1", "joint": 1, "gyroscope": {}}],
+        "tip": {"sensor": "s1"},
+        "base": {},
+        "marker": [{"name": "A", "joint": 0}],
+        "effect": [{"name": "label_swap"}],
+        "control": {},
+    }
+    assert ArmTable.model_validate(raw).arm() == Arm(
+        "x",
+        (Joint(),),
+        sensors=(Sensor("s1", 1, gyroscope=Gyroscope()),),
+        tip=Tip("s1"),
+        base=Base(),
+        markers=(Marker("A", 0),),
+        effects=(Effect("label_swap"),),
+    )
 
 
 def test_rarer_tables_become_parts_of_the_arm():

@@ -57,6 +57,13 @@ def test_a_weak_gain_asked_for_more(wheel, having, rubbing):
     assert way_of(having(late, "gain_error", factor=0.0), [1.0], [0.0])[0][BEFORE, 0] == pytest.approx(8.0)
 
 
+def test_friction_by_the_load_counts_what_arrives(wheel, having, rubbing):
+    """Of 8 N m arrive 4, and of these a tenth holds beside 0.4 N m."""
+    late = having(rubbing(wheel, 0.0, 0.4, 0.0), "actuator_lag", time_constant_s=0.1)
+    late = having(having(late, "gain_error", factor=0.5), "load_friction", coefficient=0.1)
+    assert way_of(late, [1.0], [0.0])[0][BEFORE, 0] == pytest.approx(0.8 / 0.5)
+
+
 def test_without_delay_and_lag_the_first_command_is_there(wheel, having, rubbing):
     x, state = way_of(having(rubbing(wheel, 0.0, 0.4, 0.0), "gain_error", factor=0.5), [1.0], [0.0])
     assert x[BEFORE, 0] == 8.0 and state[0, 0] == 0.0

@@ -94,6 +94,29 @@ def test_a_named_axis_passes_its_centre_and_moves_the_rest(name, girdle):
         np.testing.assert_allclose(off, 0.0, atol=1e-12)
 
 
+@pytest.mark.parametrize(
+    ("name", "joint", "direction"),
+    [
+        ("human-arm-right", "elbow", 1), ("human-arm-right", "forearm", 2), ("human-arm-right", "wrist", 0),
+        ("human-leg-left", "knee", 1), ("human-leg-left", "ankle", 1), ("human-leg-left", "subtalar", 0),
+    ],
+)  # fmt: skip
+def test_a_named_axis_points_where_anatomy_has_it(name, joint, direction):
+    """Flexion turns about the sideways axis, pronation about the bone; wrist and inversion about the one ahead."""
+    arm, where = person(name)
+    axis = axis_frames(arm, np.zeros(arm.n_joint))[0, where.axes[joint], :3, 2]
+    np.testing.assert_allclose(np.abs(axis), np.eye(3)[direction], atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ["arm", "leg"])
+def test_every_landmark_is_within_a_hand_or_foot(kind):
+    """From the next centre it is at least as far as a bone is thick, and no farther than the toes."""
+    arm, where = person(f"human-{kind}-right")
+    centres = np.array(list(centre_points(arm, where).values()))
+    for name, at in placed(arm, landmark_places(arm, where, 1.741)).items():
+        assert 0.02 < np.linalg.norm(centres - at, axis=1).min() < 0.16, name
+
+
 @pytest.mark.parametrize("kind", ["arm", "leg"])
 def test_landmarks_lie_about_their_centres(kind):
     """Outwards is lateral, at either side; a person half as tall has half the breadth."""

@@ -31,6 +31,7 @@ def test_without_effects_the_joint_gets_what_is_asked(arm):
         np.testing.assert_array_equal(
             table.numbers[[FACTOR, LIMIT, STIFFNESS]], [[1.0] * 3, [np.inf] * 3, [np.inf] * 3]
         )
+        assert table.numbers.shape == (8, 3)
         np.testing.assert_array_equal(table.numbers[[DELAY, LAG, GAP, DAMPING, ROTOR]], 0.0)
 
 

@@ -58,6 +58,15 @@ def test_a_link_without_mass_keeps_its_centre(wheel):
     np.testing.assert_allclose(loaded.inertia_kg_m2, [0.0, 0.32, 0.32, 0.0, 0.0, 0.0])
 
 
+def test_it_draws_the_centre_of_mass_to_the_tip(wheel):
+    """Three kilograms at 0.4 m and one at (0.1, 0.2, 0.3) m."""
+    light = replace(wheel, joints=(replace(wheel.joints[0], link=Link(1.0, (0.1, 0.2, 0.3), (1.0,) * 6)),))
+    loaded = with_load(light, 3.0).joints[0].link
+    assert loaded.mass_kg == 4.0
+    np.testing.assert_allclose(loaded.com_m, [1.3 / 4.0, 0.2 / 4.0, 0.3 / 4.0])
+    np.testing.assert_allclose(loaded.inertia_kg_m2, [1.0, 1.48, 1.48, 1.0, 1.0, 1.0])
+
+
 def test_it_is_a_point_at_the_tip_in_its_trials(arm, having, swung):
     loaded, point = having(arm, "payload", mass_kg=0.7, trials=[2, 4]), with_point(arm, 0.7)
     for trial in (1, 2, 3, 4):
