@@ -126,12 +126,13 @@ def test_a_twist_goes_on_smoothly_from_where_it_was():
     x, numbers = make_room(1, 0).way.state[:, 0], numbers_of({STIFFNESS: 60.0, DAMPING: 2.0}).numbers[:, 0]
     x[TWIST0], x[TARGET0] = 0.02, 0.05
     found = []
-    for h in (0.0, 0.02 - 1e-6, 0.02, 0.02 + 1e-6):
+    for h in (0.0, 0.02 - 1e-6, 0.02, 0.02 + 1e-6, 1e-6):
         asked = (0.05 + 3.0 * h) * (60.0 + 8.0)  # what the twist tends to grows by 3 rad/s
         transmitted(asked, 8.0, -2.0, 0.0, 1.0, numbers, h, 1.0, x)
         found.append((x[TWIST], x[TWIST_SPEED]))
     assert found[0][0] == 0.02 and found[0][1] == pytest.approx((0.05 - 0.02) * 68.0 / 4.0)
     assert (found[3][0] - found[1][0]) / 2e-6 == pytest.approx(found[2][1], rel=1e-6)
+    np.testing.assert_allclose(found[4], found[0], rtol=1e-4)
 
 
 def test_a_play_tends_to_its_side_within_milliseconds():
