@@ -28,7 +28,7 @@ def _resists(name: str, numbers: Mapping[str, float], **state: object) -> Floats
     states = np.zeros((len(rows[0]), N_STATE))
     for column, row in zip(COLUMNS.values(), rows, strict=True):
         states[:, column] = row
-    return torque_along(kind, np.array([numbers[p.name] for p in kind.parameters if p.name in numbers]), states)
+    return torque_along(kind, np.array([numbers[p.name] for p in kind.numbers if p.name in numbers]), states)
 
 
 def _let_go(arm: Arm, rate: float = 1.0, seconds: float = 3.0) -> float:

@@ -68,7 +68,7 @@ def test_sensors_and_markers_are_changed_by_name():
 
 def test_what_holds_a_resting_joint_is_said(resists):
     """Those that hold by more than Coulomb friction differ by direction at rest, or keep it off centre."""
-    numbers = {p.name: 0.3 for p in catalogue()["stribeck"].parameters}
+    numbers = {p.name: 0.3 for p in catalogue()["stribeck"].numbers}
     ahead, back = resists("stribeck", numbers, dq=0.0, direction=[1.0, -1.0])
     assert ahead == -back != 0.0 and catalogue()["stribeck"].holds
 

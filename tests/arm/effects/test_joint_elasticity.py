@@ -1,12 +1,14 @@
 """A transmission that twists, against the exponential of a matrix."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.accelerometer import specific_force
 from arm.bench import Bench, motions
 from arm.counts import COUNT_M_S2
-from arm.simulation import GearedMotion, simulate
+from arm.simulation import GearedMotion, simulate, tip_of
 
 INERTIA, KP, KV = 0.5, 8.0, -2.0
 DT = 1e-3
@@ -34,6 +36,16 @@ def test_a_controller_behind_a_spring(wheel, stiffness, damping, having, held, l
     np.testing.assert_allclose(motion.link_q[::100, 0], expected[:, 0], rtol=0, atol=2e-5)
     np.testing.assert_allclose(motion.q[::100, 0], expected[:, 0] + expected[:, 2], rtol=0, atol=2e-5)
     np.testing.assert_allclose(motion.tau, KP * (0.7 - motion.q) + KV * motion.dq, rtol=0, atol=1e-10)
+
+
+def test_the_tip_goes_with_the_link(wheel, having):
+    arm = having(wheel, "joint_elasticity", stiffness_N_m_rad=80.0, damping_N_m_s=0.4)
+    arm = replace(arm, joints=(replace(arm.joints[0], a_m=0.5),))
+    torque = 3.0 * np.sin(np.arange(300) * DT)[:, None]
+    motion = simulate(arm, torque, DT, np.zeros(1), torque=torque)
+    assert isinstance(motion, GearedMotion)
+    expected = 0.5 * np.column_stack([np.cos(motion.link_q), np.sin(motion.link_q), 0.0 * motion.link_q])
+    np.testing.assert_allclose(tip_of(arm, motion), expected, rtol=0, atol=1e-12)
 
 
 def test_a_slow_torque_twists_by_its_share_of_the_stiffness(wheel, having):
