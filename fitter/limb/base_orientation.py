@@ -5,6 +5,8 @@ motion comes near the posture in which two of its three axes fall together (gimb
 away from it.
 """
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from arm.model import Floats
@@ -13,6 +15,17 @@ from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.nan_statistics import nan_mean, nan_median
 from limbcal.note import Note
 
+#: Landmarks in front and behind, and whose line points to the left, by segment.
+_FRONT_AND_BACK = {
+    "thorax": (("suprasternal_notch", "xiphoid"), ("c7", "t8", "t10")),
+    "pelvis": (("asis_right", "asis_left"), ("psis_right", "psis_left")),
+}
+_ACROSS = {"thorax": ("acromion",), "pelvis": ("asis", "psis")}
+#: Landmarks at the upper and the lower end of the thorax.
+_TOP_AND_BOTTOM = (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))
+#: Three directions that lie within 30° of one plane do not tell a person from a mirrored one: their unit vectors
+#: span less than this volume.
+_FLAT = 0.5
 #: A ball joint's middle axis is locked within this of a right angle [rad], in more than this fraction of frames.
 _LOCK_RAD, _LOCKED_SHARE = np.radians(20.0), 0.01
 
@@ -35,7 +48,72 @@ def base_orientation(trials: LimbTrials, base: BaseMotion, side: str) -> tuple[F
     if np.linalg.norm(leftward) < 1e-6:
         leftward = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
     leftward = leftward / np.linalg.norm(leftward)
-    return np.column_stack([np.cross(leftward, up), leftward, up]), tuple(notes)
+    return np.column_stack([np.cross(leftward, up), leftward, up]), (*notes, *mirrored(trials))
+
+
+def mirrored(trials: LimbTrials) -> tuple[Note, ...]:
+    """Say where thorax or pelvis have left opposite to up x forward, as no turn of a person brings about.
+
+    Up is from the thorax' lower end to its upper, from the legs to the pelvis, else the world's.
+    """
+    notes = []
+    for segment, (front, back) in _FRONT_AND_BACK.items():
+        up, leftward = _up_in_world(trials, segment), _left_in_world(trials, segment)
+        ahead = _between(_middle(trials, front), _middle(trials, back))
+        if up is None or leftward is None or ahead is None:
+            continue
+        directions = np.stack(np.broadcast_arrays(up, ahead, leftward), axis=1)
+        directions = directions / np.linalg.norm(directions, axis=2, keepdims=True)
+        if nan_median(np.linalg.det(directions)) < -_FLAT:
+            doubt = f", or {trials.up} does not point up" if len(up) == 1 else ""
+            text = (
+                f"landmarks have left of the {segment} to the right of up and forward: the recordings are "
+                f"mirrored{doubt}. Most likely their axes were exported left-handed, or the labels or the marker "
+                "set exchange right and left: export them with right-handed axes, or exchange the names in the "
+                "marker set"
+            )
+            notes.append(Note("mirrored", text))
+    return tuple(notes)
+
+
+def _up_in_world(trials: LimbTrials, segment: str) -> Floats | None:
+    """Return up by a segment's own landmarks, (n_frame, 3), else the world's, (1, 3)."""
+    if segment == "thorax":
+        top, bottom = (_middle(trials, names) for names in _TOP_AND_BOTTOM)
+    else:
+        legs = [
+            m for name, on in trials.segments.items() if name.startswith(("thigh", "shank", "foot")) for m in on
+        ]
+        top = _middle(trials, [name for group in _FRONT_AND_BACK[segment] for name in group])
+        bottom = nan_mean(np.array([trials.of(m) for m in legs])) if legs else None
+    own = _between(top, bottom)
+    return world_up(trials.up)[None] if own is None and trials.up else own
+
+
+def _left_in_world(trials: LimbTrials, segment: str) -> Floats | None:
+    """Return the way to the left, (n_frame, 3): between both sides, else from the spine to one acromion."""
+    for name in _ACROSS[segment]:
+        leftmost, rightmost = _middle(trials, [f"{name}_left"]), _middle(trials, [f"{name}_right"])
+        across = _between(leftmost, rightmost)
+        if across is not None:
+            return across
+        if segment == "thorax":
+            spine = _middle(trials, [name for group in _FRONT_AND_BACK[segment] for name in group])
+            return _between(spine, rightmost) if leftmost is None else _between(leftmost, spine)
+    return None
+
+
+def _middle(trials: LimbTrials, names: Sequence[str]) -> Floats | None:
+    """Return the middle of those landmarks that there are, (n_frame, 3)."""
+    marks = [trials.landmarks[name] for name in names if name in trials.landmarks]
+    return nan_mean(np.array([seen_or_posed(trials, m) for m in marks])) if marks else None
+
+
+def _between(end: Floats | None, begin: Floats | None) -> Floats | None:
+    """Return the way from one point to another, (n_frame, 3); None where no frame has it."""
+    if end is None or begin is None or not np.isfinite(end - begin).any():
+        return None
+    return np.asarray(end - begin)
 
 
 def away_from_lock(long_axis: Floats, lateral: Floats) -> Floats | None:
@@ -62,8 +140,7 @@ def away_from_lock(long_axis: Floats, lateral: Floats) -> Floats | None:
 
 def _upright(trials: LimbTrials, base: BaseMotion) -> Floats | None:
     """Return up in the base segment: by the spine's landmarks, else by the world, in the mean of all frames."""
-    ends = (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))
-    marks = [[trials.landmarks[name] for name in names if name in trials.landmarks] for names in ends]
+    marks = [[trials.landmarks[name] for name in names if name in trials.landmarks] for names in _TOP_AND_BOTTOM]
     if base.segment == "thorax" and all(marks):
         top, bottom = (nan_mean(np.array([_in_base(trials, base, m) for m in group])) for group in marks)
         if np.isfinite(top - bottom).all():
@@ -89,8 +166,10 @@ def _leftward(trials: LimbTrials, base: BaseMotion) -> Floats | None:
             across = nan_median(_relative(trials, base, leftward) - _relative(trials, base, right))
             if np.isfinite(across).all():
                 return _unit(across)
-    front = [trials.landmarks[n] for n in ("suprasternal_notch", "xiphoid") if n in trials.landmarks]
-    back = [trials.landmarks[n] for n in ("c7", "t8", "t10") if n in trials.landmarks]
+    front, back = (
+        [trials.landmarks[name] for name in names if name in trials.landmarks]
+        for names in _FRONT_AND_BACK["thorax"]
+    )
     up = _upright(trials, base)
     if front and back and up is not None:
         ahead = nan_mean(np.array([_in_base(trials, base, m) for m in front]))
