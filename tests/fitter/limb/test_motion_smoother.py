@@ -1,0 +1,96 @@
+"""The most likely motion against a dense solution of the same equations."""
+
+import numpy as np
+import pytest
+
+from arm.marker_kinematics import slopes_room
+from fitter.limb.inverse_kinematics import frame_cost, frame_equations, predicted
+from fitter.limb.marker_observations import SWAY
+from fitter.limb.motion_smoother import JERK_DENSITY, SWAY_JERK_DENSITY, smooth
+from tests.fitter.limb.simulated_task import simulated_task
+
+DT = 0.02
+
+
+@pytest.fixture(scope="module")
+def known():
+    """Return a leg that swings slowly, its markers off by their noise."""
+    truth = simulated_task(n=30)
+    t = np.arange(30) * DT
+    q = np.zeros_like(truth.q)
+    q[:, SWAY:] = truth.q[0, SWAY:] + 0.2 * np.sin(2.0 * np.pi * t[:, None] + np.arange(6.0))
+    chain = truth.markers.chain(truth.geometry)
+    frames = truth.task.frames._replace(p=np.tile(truth.task.frames.p[:1], (30, 1)), t=t)
+    y = predicted(chain, frames, q) + 1e-3 * np.random.default_rng(0).normal(size=frames.y.shape)
+    return chain, frames._replace(y=y), truth.markers.std, truth.task.angles, q
+
+
+def roughness(chain, n_frame):
+    """Return the prior's information on all angles by its definition, dense."""
+    D = np.diff(np.eye(n_frame), 3, axis=0)
+    density = np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
+    return np.kron(D.T @ D, np.diag(1.0 / (density * DT**5)))
+
+
+def information(chain, frames, std, prior, q):
+    n = q.shape[1]
+    total, pull, room = np.zeros((q.size, q.size)), np.zeros(q.shape), slopes_room(n, 0)
+    A, a = np.empty((n, n)), np.empty(n)
+    for k in range(len(q)):
+        frame_equations(chain, frames, k, std**2, prior, q[k], room, A, a)
+        total[k * n : (k + 1) * n, k * n : (k + 1) * n] = A
+        pull[k] = a
+    return total, pull
+
+
+def test_nothing_is_left_to_gain_at_the_answer(known):
+    chain, frames, std, prior, q = known
+    found = smooth(chain, frames, std, prior, DT, q + 0.02)
+    assert found.converged
+    H = roughness(chain, len(q))
+    A, a = information(chain, frames, std, prior, found.q)
+    step = np.linalg.solve(A + H, a.ravel() - H @ found.q.ravel())
+    assert np.abs(step).max() < 2e-3
+    room = slopes_room(q.shape[1], 0)
+
+    def cost(x):
+        own = sum(frame_cost(chain, frames, k, std**2, prior, x[k], room) for k in range(len(x)))
+        return own + float(x.ravel() @ H @ x.ravel())
+
+    assert cost(found.q) <= cost(q)
+    assert np.sqrt(np.mean((found.q[:, SWAY:] - q[:, SWAY:]) ** 2)) < 0.02
+
+
+def test_variances_are_those_of_the_dense_inverse(known):
+    chain, frames, std, prior, q = known
+    found = smooth(chain, frames, std, prior, DT, q)
+    A, _ = information(chain, frames, std, prior, found.q)
+    alike = 1.0 / (2.0 * 12.0 * DT)  # frames whose error of the skin is one: 12 Hz pass
+    expected = np.sqrt(np.diag(np.linalg.inv(A / alike + roughness(chain, len(q))))).reshape(q.shape)
+    np.testing.assert_allclose(found.std, expected, rtol=1e-6)
+
+
+def test_a_gap_is_bridged_and_its_error_grows(known):
+    chain, frames, std, prior, q = known
+    y = frames.y.copy()
+    y[12:17] = np.nan
+    found = smooth(chain, frames._replace(y=y), std, prior, DT, q)
+    assert np.abs(found.q[14, SWAY:] - q[14, SWAY:]).max() < 0.2
+    whole = smooth(chain, frames, std, prior, DT, q)
+    assert np.all(found.std[14, SWAY:] > whole.std[14, SWAY:])
+
+
+def test_less_jerk_is_smoother(known):
+    chain, frames, std, prior, q = known
+    rough, calm = (smooth(chain, frames, std, prior, DT, q, share).q for share in (1.0, 1e-4))
+    assert np.sum(np.diff(calm, 3, axis=0) ** 2) < 0.5 * np.sum(np.diff(rough, 3, axis=0) ** 2)
+
+
+@pytest.mark.parametrize("n", [1, 3])
+def test_too_few_frames_for_jerk_are_each_by_itself(known, n):
+    chain, frames, std, prior, q = known
+    few = frames.rows(np.arange(n))
+    found = smooth(chain, few, std, prior, DT, q[:n])
+    alone = smooth(chain, frames.rows(np.arange(1)), std, prior, DT, q[:1])
+    np.testing.assert_allclose(found.q[0], alone.q[0], atol=1e-4)
+    np.testing.assert_allclose(found.std[0], alone.std[0], rtol=1e-3)
