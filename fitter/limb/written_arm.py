@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from arm.body.landmarks import LimbMap, centre_points
-from arm.body.limbs import FORWARD
+from arm.body.limbs import FORWARD, leg_plan
 from arm.body.segments import SEGMENTS, segment
 from arm.kinematics import axis_frames, rpy_from_rotation
 from arm.model import STANDARD_GRAVITY_M_S2, Arm, Base, Body, Floats, Joint, Link, Marker, Vector3
@@ -117,13 +117,24 @@ def with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
                 centre_m=own.centre_m * scale,
                 inertia_kg_m2=(inertia[0] * scale**2, inertia[1] * scale**2, inertia[2]),
             )
-        along = (end - begin) / length
-        forward = FORWARD if abs(along @ FORWARD) < 0.7 else np.array([0.0, 0.0, 1.0])
-        sagittal = forward - (forward @ along) * along
-        sagittal /= np.linalg.norm(sagittal)
-        axes = np.column_stack([sagittal, np.cross(along, sagittal), along])
+        axes = _axes_along(end - begin)
+        if kind == "foot":  # the table's begins at the heel
+            plan = leg_plan(body, 1.0)
+            ((_, heel, along_sole),) = plan.segments[max(plan.segments)]
+            ankle, toes = plan.points[-2:]
+            turn = axes @ _axes_along(toes - ankle).T
+            begin, axes = begin + turn @ (heel - ankle), turn @ along_sole
         joints[part.link] = replace(joints[part.link], link=own.link(begin, axes, frames[part.link]))
     return tuple(joints)
+
+
+def _axes_along(way: Floats) -> Floats:
+    """Return sagittal, transverse and longitudinal axis as columns of what reaches along a way, (3, 3)."""
+    along = way / np.linalg.norm(way)
+    forward = FORWARD if abs(along @ FORWARD) < 0.7 else np.array([0.0, 0.0, 1.0])
+    sagittal = forward - (forward @ along) * along
+    sagittal /= np.linalg.norm(sagittal)
+    return np.column_stack([sagittal, np.cross(along, sagittal), along])
 
 
 def vector(x: Floats) -> Vector3:
