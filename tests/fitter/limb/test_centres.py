@@ -1,0 +1,87 @@
+"""Centres of a leg's joints, before its fit, against where the simulation has them."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from arm.body.landmarks import limb_map
+from arm.kinematics import axis_frames
+from fitter.limb.centres import joint_centres
+from fitter.limb.limb_trials import limb_trials
+from tests.fitter.limb.simulated_person import person
+
+WHERE = limb_map("human-leg-right", 6)
+
+
+@pytest.fixture(scope="module")
+def truth():
+    return person("human-leg-right", n=300, seed=3)
+
+
+@pytest.fixture(scope="module")
+def true_centres(truth):
+    frames = axis_frames(truth.arm, truth.q[0])
+    at = {"hip": frames[:, 0, :3, 3], "knee": frames[:, 3, :3, 3], "ankle": frames[:, 4, :3, 3]}
+    return {name: np.einsum("nij,nj->ni", truth.R[0], x + truth.base_p) + truth.p[0] for name, x in at.items()}
+
+
+def of(truth, landmarks):
+    own = replace(truth.marker_set, landmarks=landmarks)
+    return joint_centres(limb_trials(truth.recordings, own, WHERE), WHERE)
+
+
+def test_the_hip_is_found_by_motion_and_the_knee_between_its_landmarks(truth, true_centres):
+    centres, functional, notes = of(truth, truth.marker_set.landmarks)
+    assert centres["hip"].method == "score" and centres["knee"].method == centres["ankle"].method == "landmarks"
+    assert [one.joint for one in functional] == ["hip_right", "knee_right", "ankle_right"]
+    for name, true in true_centres.items():
+        for segment, world in centres[name].world_m.items():
+            away = np.linalg.norm(world - true, axis=1)
+            assert np.median(away) < (0.005 if name == "hip" else 0.012), (name, segment)
+
+
+def test_both_segments_carry_a_centre_to_the_same_place(truth):
+    centres, _, _ = of(truth, truth.marker_set.landmarks)
+    for name, pair in {"hip": ("pelvis", "thigh_right"), "knee": ("thigh_right", "shank_right")}.items():
+        assert set(centres[name].world_m) == set(centres[name].in_segment_m) == set(pair)
+        first, second = (centres[name].world_m[segment] for segment in pair)
+        assert np.median(np.linalg.norm(first - second, axis=1)) < 0.01
+
+
+def test_without_landmarks_the_knee_is_on_its_hinge(truth, true_centres):
+    none = {name: m for name, m in truth.marker_set.landmarks.items() if "femoral" not in name}
+    centres, _, _ = of(truth, none)
+    assert centres["knee"].method == "score"
+    frames = axis_frames(truth.arm, truth.q[0])
+    hinge = np.einsum("nij,nj->ni", truth.R[0], frames[:, 3, :3, 2])
+    away = centres["knee"].world_m["thigh_right"] - true_centres["knee"]
+    off = away - np.sum(away * hinge, axis=1)[:, None] * hinge
+    assert np.median(np.linalg.norm(off, axis=1)) < 0.01
+
+
+def test_a_hip_that_does_not_turn_is_left_open_or_taken_from_the_pelvis(truth):
+    still = replace(truth.recordings[0], positions=np.tile(truth.recordings[0].positions[:1], (60, 1, 1)))
+    trials = limb_trials([still], truth.marker_set, WHERE)
+    centres, functional, notes = joint_centres(trials, WHERE)
+    assert "hip" not in centres and "not_revealed" in {note.kind for note in notes} and functional == []
+    # spines 24 cm apart and 15 cm deep: Harrington's hip is below and behind, to the side
+    spines = {
+        "asis_right": [0.1, -0.12, 0.0], "asis_left": [0.1, 0.12, 0.0],
+        "psis_right": [-0.05, -0.05, 0.0], "psis_left": [-0.05, 0.05, 0.0],
+    }  # fmt: skip
+    world = np.einsum("ij,mj->mi", truth.R[0][0], np.array(list(spines.values()))) + truth.p[0][0]
+    wide = np.concatenate([still.positions, np.tile(world, (60, 1, 1))], axis=1)
+    segments = {**truth.marker_set.segments, "pelvis": (*truth.marker_set.segments["pelvis"], *spines)}
+    own = replace(
+        truth.marker_set, segments=segments, landmarks=truth.marker_set.landmarks | {name: name for name in spines}
+    )
+    trials = limb_trials([replace(still, names=(*still.names, *spines), positions=wide)], own, WHERE)
+    centres, _, _ = joint_centres(trials, WHERE)
+    assert centres["hip"].method == "harrington"
+    place = (centres["hip"].world_m["pelvis"][0] - truth.p[0][0]) @ truth.R[0][0]
+    expected = [0.1 - 0.24 * 0.15 - 9.9e-3, -(0.33 * 0.24 + 7.3e-3), -(0.30 * 0.24 + 10.9e-3)]
+    np.testing.assert_allclose(place, expected, atol=2e-3)
+    pelvis = trials.motions["pelvis"].whole
+    carried = pelvis.R[0] @ centres["hip"].in_segment_m["pelvis"] + pelvis.p[0]
+    np.testing.assert_allclose(carried, centres["hip"].world_m["pelvis"][0], atol=1e-6)
