@@ -5,9 +5,7 @@ import pytest
 
 from arm.kinematics import axis_frames
 from fitter.marker_diagnosis.marker_search import search_markers
-from fitter.marker_diagnosis.trial_errors import trial_errors
-from tests.fitter.limb.simulated_person import person
-from tests.fitter.limb.test_tracking import with_markers
+from tests.fitter.limb.simulated_person import person, with_markers
 
 
 @pytest.fixture(scope="module")
@@ -72,17 +70,3 @@ def test_skin_that_slides_with_a_joint_is_found(arm, truth):
     assert cause.effect.parameters["joint"] == 4
     found = np.array([cause.effect.parameters[name] for name in ("x_m_rad", "y_m_rad", "z_m_rad")])
     np.testing.assert_allclose(found, slope, atol=3.0 * max(cause.std.values()))
-
-
-def test_errors_of_a_marker_left_out_are_those_of_a_fit_without_it(arm, truth):
-    """The algebra of leaving out, against tracking a recording that lacks the marker."""
-    name = "upper_arm_right2"
-    recording = truth.recordings[0]
-    errors = trial_errors(arm, recording, 1)
-    m = errors.names.index(name)
-    without = trial_errors(arm, recording.with_marker(name, np.full((len(recording.positions), 3), np.nan)), 1)
-    predicted = without.out.place[:, m]
-    off = recording.of((name,))[:, 0] - predicted
-    same = np.einsum("nij,nj->ni", errors.out.axes[:, m], errors.out.error[:, m])
-    # the smoother's motion prior holds the frames together, which leaving out frame by frame does not know
-    assert np.median(np.linalg.norm(off - same, axis=1)) < 0.25 * np.median(np.linalg.norm(off, axis=1))
