@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from arm.body.whole_body import body_map
 from arm.model import Marker
 from arm.moving_base import standing_base
 from fitter.data.derivatives import both_derivatives
@@ -41,6 +42,13 @@ def test_rates_of_postures_are_their_derivatives(moved):
         np.testing.assert_allclose(posture.rate[INNER], rate[INNER], atol=2e-3)
         np.testing.assert_allclose(posture.second[INNER], second[INNER], atol=0.05)
         np.testing.assert_allclose(np.linalg.norm(posture.value[:, -3:], axis=1), 1.0)
+
+
+def test_a_foots_posture_is_that_of_the_joints_before_it(moved):
+    q, _, found = moved
+    shank, foot = (body_map().parts[name].link for name in ("shank_left", "foot_left"))
+    posture = found[BASE.bodies.index(foot)]
+    np.testing.assert_array_equal(posture.value[:, :-3], q[:, shank + 1 : foot + 1])
 
 
 def test_functions_kept_have_no_mean_and_the_size_of_a_posture(moved):

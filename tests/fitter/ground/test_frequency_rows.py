@@ -38,6 +38,7 @@ def test_bands_double_and_hold_enough():
     band = rows.bands()
     counts = np.bincount(band)
     assert np.all(np.diff(band) >= 0) and counts.min() >= 16 and len(counts) > 2
+    assert counts[0] == 31  # the first 16 end at 15/8 Hz, the next band begins beyond twice that
     edges = hz[np.flatnonzero(np.diff(band)) + 1]
     assert np.all(edges[1:] > 2.0 * edges[:-1])
     order = np.random.default_rng(0).permutation(200)

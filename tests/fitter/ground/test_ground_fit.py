@@ -39,9 +39,9 @@ def test_the_power_is_that_of_the_noise():
     assert np.mean(found.power) == pytest.approx(0.05**2, rel=0.1)
 
 
-def test_near_the_prior_the_covariance_is_gausss():
+@pytest.mark.parametrize("std", [0.01, 0.001])
+def test_near_the_prior_the_covariance_is_gausss(std):
     rows = equations(3, np.zeros(10), 0.05)
-    std = 0.01
     found = ground_fit(rows, BODY, prior(std), np.zeros(1))
     A = (rows.Y[..., :10] @ BODY.slopes(found.x)).reshape(-1, 10)
     expected = np.linalg.inv(A.T @ A / 0.05**2 + np.eye(10) / std**2)
@@ -65,3 +65,13 @@ def test_nothing_measured_leaves_the_prior():
     found = ground_fit(rows, BODY, MassPrior(np.full(10, 0.1), np.eye(10) * 0.04), np.zeros(1))
     np.testing.assert_allclose(found.x, 0.1, atol=1e-9)
     np.testing.assert_allclose(found.covariance, np.eye(10) * 0.04, atol=1e-9)
+
+
+def test_what_moves_like_a_body_bounds_what_is_known_of_it():
+    """A disturbance of the first number's own slopes: the error is its standard deviation, however many rows."""
+    rows = equations(7, np.zeros(10), 0.01)
+    Y = rows.Y.copy()
+    Y[..., 10] = Y[..., :10] @ BODY.slopes(np.zeros(10))[:, 0]
+    found = ground_fit(FrequencyRows(Y, rows.w, rows.hz, rows.trial), BODY, prior(0.3), np.array([0.05]))
+    assert np.sqrt(found.covariance[0, 0]) == pytest.approx(0.05, rel=0.1)
+    assert np.sqrt(found.covariance[1, 1]) < 0.01
