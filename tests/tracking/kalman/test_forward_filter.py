@@ -10,7 +10,6 @@ from arm.model import Arm
 from tests.tracking.smoother.test_smoothing_pass import N, Problem, assert_close, seen
 from tracking.kalman.forward_filter import filter_all, first_window, gather, jolt_of, take_again
 from tracking.kalman.kalman_step import correct, hold, predict, room_to_take
-from tracking.kalman.plain_filter import filter_plainly
 from tracking.model.course import Course
 from tracking.model.expected_readings import room_of
 from tracking.model.observation import observation_of
@@ -127,19 +126,18 @@ def test_a_strike_is_a_jolt_and_what_no_motion_explains_is_doubted(vertical_arm:
     np.testing.assert_array_equal(np.flatnonzero((case.course.doubt > 1.0).any(axis=1)), [30])
 
 
-def test_a_speed_that_nothing_shows_is_forgotten_at_rest(dd_arm: Arm) -> None:
-    """A level arm that creeps reads what one at rest reads: only that it rests ends its speed."""
-    case = Resting(dd_arm)
-    case.x[[1, 4]] = 0.05
-    case.P[[1, 4], [1, 4]] = 0.2**2
+def test_at_rest_readings_are_taken_in_where_it_began_and_speeds_held(vertical_arm: Arm) -> None:
+    case = Resting(vertical_arm)
     case.filtered()
-    assert case.still.all()
-    held, loose = (
-        filter_plainly(case.of, case.course._replace(rest=share * case.course.rest), case.x, case.P)
-        for share in (1.0, 0.0)
-    )
-    from_held, from_loose = (np.abs(case.states - other)[:, [1, 4]].max() for other in (held, loose))
-    assert from_held < 0.3 * from_loose > 1e-3
+    (x, P), room, taken = (case.x.copy(), case.P.copy()), room_of(2), room_to_take(case.course, case.size, 1)[0]
+    for k, state in enumerate(case.states):
+        if k > 0:
+            predict(case.of, case.course, k, x, P)
+        correct(case.of, room, case.course, k, case.x, x, P, taken)
+        loose = x.copy()
+        hold(case.course, k, x, P, taken)
+        np.testing.assert_allclose(state, x, rtol=1e-9, atol=1e-12)
+    assert np.abs(x - loose)[[1, 4]].min() > 1e-9  # what `hold` does at the last instant
 
 
 def test_a_flutter_ends_the_hold_but_not_the_rest(vertical_arm: Arm) -> None:
