@@ -14,7 +14,7 @@ from tracking.kalman.extended_kalman import CompiledKalmanFilter
 from tracking.kalman.forward_filter import jolt_of
 from tracking.kalman.kalman_step import spread
 from tracking.model.expected_readings import observe, room_of
-from tracking.model.initial_state import MountingPrior, start_state
+from tracking.model.initial_state import RESTING_SPEED_STD, MountingPrior, start_state
 from tracking.model.innovation_test import Consistency, Judge
 from tracking.model.noise import Noise
 from tracking.model.observation import observation_of
@@ -60,6 +60,9 @@ class LiveFilter:
         self._of, self._room, self._n, self._n_channel = of, room_of(n), n, n_channel
         rests = steady(first, dt_s, noise, factor)
         x, P = start_state(arm, of, size, first.mean(axis=0), rests, q, given, MountingPrior())
+        # Readings show a speed by its square: who linearises once, at zero, learns nothing of it and begins slow.
+        speeds = np.arange(1, 3 * n, 3)
+        P[speeds, speeds] = RESTING_SPEED_STD**2
         kf = CompiledKalmanFilter(dim_x=size, dim_z=n_channel)
         kf.x, kf.P, kf.F, kf.Q = x, P, np.eye(size), np.zeros((size, size))
         self._offsets = np.arange(3 * n, 3 * n + n_channel)

@@ -24,7 +24,8 @@ GIVEN_STD, GUESSED_STD = 0.01, 1.0
 _EXACT_STD = 1e-5
 #: Speed and acceleration of an arm that is taken to rest at first [rad/s, rad/s^2; or m/s, m/s^2]: about half a
 #: degree a second, conventions.
-_RESTING_STDS = 1e-2, 0.05
+RESTING_SPEED_STD = 1e-2
+_RESTING_STDS = RESTING_SPEED_STD, 0.05
 #: And of one that moves at first. Joints of robots turn at up to 3 rad/s (data sheets of UR5e, LBR iiwa), elbows
 #: at up to 20 rad/s in a throw, four times this; it takes half a second to get there.
 _MOVING_STDS = 5.0, 10.0

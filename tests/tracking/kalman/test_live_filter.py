@@ -50,6 +50,15 @@ def test_it_follows_the_compiled_filter(upright_bench, decimated, lost, corner_h
     np.testing.assert_allclose(states, compiled, rtol=0, atol=1e-6)
 
 
+def test_it_begins_slow_though_the_arm_moves(upright_bench, decimated):
+    readings = decimated(upright_bench, RATE_HZ)
+    begin = int(np.argmax(np.ptp(readings.values[:300], axis=1))) + 60
+    moving = replace(readings, values=readings.values[begin:])
+    assert moving.begins_in_motion
+    P = live(upright_bench.arm, moving, upright_bench.q[0]).state[1]
+    np.testing.assert_allclose(np.sqrt(np.diag(P)[1:6:3]), 0.01)
+
+
 def test_a_lost_reading_is_predicted_and_not_judged(upright_bench, decimated):
     readings = decimated(upright_bench, RATE_HZ)
     tracker = live(upright_bench.arm, readings, upright_bench.q[0])
