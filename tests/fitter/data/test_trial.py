@@ -33,3 +33,7 @@ def test_the_filter_of_a_fit_mirrors_its_ends(full):
     np.testing.assert_array_equal(full.lowpass(Q), Q)
     narrow = replace(full, band_hz=5.0)
     np.testing.assert_array_equal(narrow.lowpass(Q), lowpass(Q, DT_S, 5.0, ends="even"))
+
+
+def test_what_has_dead_reckoned_points_was_tracked(full):
+    assert full.tracked and not replace(full, points=None).tracked

@@ -6,6 +6,7 @@ from arm.arm_file import load_arm
 from arm.kinematics import tip_position
 from arm.model import Arm, Joint
 from fitter.data.trial import Trial
+from fitter.kinematics.gauge import Gauge
 from fitter.kinematics.geometry_fit import fit_kinematics
 from fitter.kinematics.tip_basis import geometry_of, with_geometry
 
@@ -42,3 +43,15 @@ def test_along_a_freedom_the_tip_moves_as_before():
     q = poses(arm).q
     there, before = tip_position(with_geometry(arm, moved), q), tip_position(arm, q)
     assert np.allclose(there - there.mean(axis=0), before - before.mean(axis=0), atol=1e-12)
+
+
+def test_a_freedom_says_what_is_known_and_given_what():
+    together = Gauge(("d2", "d3"), "only the sum shows")
+    assert together.sentence({}) == "not identified: d2, d3: only the sum shows"
+    assert (
+        together.sentence({"d2"}) == "identified only with d3 as the arm file has it given: d2: only the sum shows"
+    )
+    turned = Gauge(("theta_offset1",), "the base turns")
+    assert turned.sentence({"theta_offset1"}).startswith(
+        "identified only with the base as the arm file has it given"
+    )
