@@ -68,12 +68,13 @@ def arms(draw):
     known = (on_links, VECTOR, st.none() | LEAST, st.none() | NAME)
     markers = [draw(st.builds(Marker, st.just(name), *known)) for name in marked]
     gains = st.tuples(*[NUMBER] * len(joints))
+    last = [sensor.name for sensor in sensors if sensor.joint == len(joints)]
     return Arm(
         draw(NAME.filter(lambda name: not name.startswith("."))),
         tuple(joints),
         draw(VECTOR),
         tuple(sensors),
-        draw(st.builds(Tip, st.sampled_from(names), VECTOR)) if names else None,
+        draw(st.builds(Tip, st.sampled_from(last), VECTOR)) if last else None,
         draw(st.dictionaries(KEY, st.builds(Estimate, NUMBER, LEAST), max_size=3)),
         tuple(draw(st.lists(effects(len(joints), names, marked), unique_by=lambda effect: effect.name))),
         draw(

@@ -3,8 +3,9 @@
 import pytest
 
 from arm.arm_file import format_arm, parse_arm
-from arm.arm_schema import ArmTable, contradictions
+from arm.arm_schema import ArmTable
 from arm.model import Arm, Base, Body, Effect, Gyroscope, Joint, Marker, Sensor, SensorCovariance, Tip
+from arm.schema_contradictions import contradictions
 from limbcal.errors import ConfigError
 from tests.arm.every_table import EFFECT, EVERYTHING
 

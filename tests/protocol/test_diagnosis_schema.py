@@ -94,7 +94,7 @@ def test_a_diagnosis_is_of_its_schema() -> None:
         ({"causes": [{"parameters": {"mass": {"std": "small"}}}]}, ".causes[].parameters.mass.std"),
         ({"candidates": [{"gain": None}]}, ".candidates[].gain"),
         ({"next_experiment": None}, ".next_experiment"),
-        ({"before": errors(angle_error_deg=None)}, ".before.angle_error_deg"),
+        ({"before": errors(angle_error_deg=0.5)}, ".before.angle_error_deg"),
         ({"after": errors(torque_rms_unfiltered_N_m=["a"])}, ".after.torque_rms_unfiltered_N_m[]"),
         ({"gain": {"torque": None}}, ".gain.torque"),
         ({"gain": {"ci95": 0.5}}, ".gain.ci95"),

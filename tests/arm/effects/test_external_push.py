@@ -3,6 +3,7 @@
 import numpy as np
 
 from arm.bench import Bench, motions, rest_angles
+from arm.effects.effect import LATEST_S
 from arm.simulation import simulate
 
 PUSH = {"start_s": 2.5, "duration_s": 0.1, "torque_N_m": -1.0}
@@ -43,6 +44,6 @@ def test_the_bench_counts_the_runs_time(arm, having):
 
 
 def test_what_it_may_be(ranges):
-    ranges("external_push", "start_s", 0.0, 1e6, duration_s=1.0, torque_N_m=1.0)
+    ranges("external_push", "start_s", -LATEST_S, LATEST_S, duration_s=1.0, torque_N_m=1.0)
     ranges("external_push", "duration_s", 1e-3, 1e4, start_s=0.0, torque_N_m=1.0)
     ranges("external_push", "torque_N_m", -1e3, 1e3, start_s=0.0, duration_s=1.0)
