@@ -64,7 +64,8 @@ def mirrored(trials: LimbTrials) -> tuple[Note, ...]:
             continue
         directions = np.stack(np.broadcast_arrays(up, ahead, leftward), axis=1)
         directions = directions / np.linalg.norm(directions, axis=2, keepdims=True)
-        if nan_median(np.linalg.det(directions)) < -_FLAT:
+        turned = np.einsum("ni,ni->n", np.cross(directions[:, 0], directions[:, 1]), directions[:, 2])
+        if nan_median(turned) < -_FLAT:
             doubt = f", or {trials.up} does not point up" if len(up) == 1 else ""
             text = (
                 f"landmarks have left of the {segment} to the right of up and forward: the recordings are "

@@ -19,6 +19,7 @@ def test_the_list_is_the_catalogue(capsys):
         ("start_s", "s"),
         ("duration_s", "s"),
         ("torque_N_m", "N m"),
+        ("trials", "1"),
     ]
     acts_on = {entry["name"]: entry["acts_on"] for entry in listed}
     assert acts_on["payload"] == "arm" and acts_on["sensor_bias"] == "sensors"

@@ -1,21 +1,26 @@
 """What `fitter dynamics --ground` says, of one body whose numbers are easily reckoned with."""
 
+from collections.abc import Iterator
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
+from rich.console import Console
 
 from fitter.commands.ground_said import say_ground
 from fitter.ground.ground_score import GroundScore
 from fitter.search.fitted_parameter import FittedParameter
+from limbcal import command
 
 NAMES = tuple(f"{kind}1" for kind in ("Ixx", "Iyy", "Izz", "Ixy", "Ixz", "Iyz", "mx", "my", "mz", "m"))
 
 
 @pytest.fixture(autouse=True)
-def wide(monkeypatch: pytest.MonkeyPatch) -> None:
+def wide() -> Iterator[None]:
     """Let rows fit into a line."""
-    monkeypatch.setenv("COLUMNS", "200")
+    token = command._answers.set(Console(width=200))
+    yield
+    command._answers.reset(token)
 
 
 def fit(learnt: float) -> SimpleNamespace:

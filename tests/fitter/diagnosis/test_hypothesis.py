@@ -32,7 +32,8 @@ def test_numbers_are_possible_within_the_catalogues_bounds(drag, is_possible):
     assert air.possible(np.zeros(0), np.array([drag])) is is_possible
 
 
-def test_what_no_torque_enters_acts_first_and_what_scales_all_last():
+def test_what_no_torque_enters_acts_first_and_what_is_given_last():
     assert list(ActionOrder) == sorted(ActionOrder)
-    assert (min(ActionOrder), max(ActionOrder)) == (ActionOrder.BACKLASH, ActionOrder.SCALE)
+    assert (min(ActionOrder), max(ActionOrder)) == (ActionOrder.BACKLASH, ActionOrder.GIVEN)
+    assert ActionOrder.FRICTION < ActionOrder.SCALE < ActionOrder.GIVEN
     assert ActionOrder.GAIN < ActionOrder.LIMIT < ActionOrder.LATENCY < ActionOrder.COLUMNS

@@ -7,8 +7,9 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from arm.arm_file import load_arm
+from arm.base_pose import is_carried
 from arm.kinematics import axis_frames
-from fitter.export.placements import is_carried, link_name, placed_on, placements
+from fitter.export.placements import link_name, placed_on, placements
 
 
 def test_chained_placements_are_the_arms_frames(carried):
