@@ -13,7 +13,7 @@ from arm.model import Arm, Estimate, Floats, Link
 _ROUNDING = 1e-3
 #: A joint this slow is taken to be at rest [rad/s or m/s].
 _REST = 0.02
-#: A friction below zero is within its error up to so many standard errors.
+#: Standard errors below zero up to which a friction is within its error.
 _WITHIN = 2.0
 
 

@@ -61,7 +61,7 @@ def known_by_motions(fit: DynamicsFit, tracked: bool) -> DynamicsFit:
 
 
 def with_covariance(fit: DynamicsFit, covariance: Floats, freedom: float) -> DynamicsFit:
-    """Return a fit whose free parameters have this covariance, estimated with so many degrees of freedom.
+    """Return a fit whose free parameters have this covariance, estimated with these degrees of freedom.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ Method = Literal["integrate", "filter", "smooth"]
 #: Of a recording so much shows whether it begins at rest [s]: that is asked of a quarter of a second, besides what
 #: decimation needs.
 _LOOKED_AT_S = 2.0 * WINDOW_S
-#: True samples further apart than so many steps do not tell what lies between them.
+#: Steps between true samples above which nothing is known of what lies between them.
 _HOLE_SAMPLES = 1.5
 #: An angle is held to be within so many of its own standard deviations.
 _SIGMAS = 3.0

@@ -18,7 +18,7 @@ def test_a_motor_gives_no_more_than_its_limit(wheel, having, held):
     run = solve_ivp(rate, (0.0, 2.0), [0.0, 0.0], rtol=1e-10, atol=1e-12, max_step=DT, t_eval=np.arange(2001) * DT)
     motion = simulate(weak, held(0.9, 2001), DT, np.zeros(1))
     np.testing.assert_allclose(motion.q[:, 0], run.y[0], rtol=0, atol=1e-6)
-    assert np.abs(motion.tau).max() > 4.0  # what is asked for is told, not what is given
+    assert np.abs(motion.tau).max() > 4.0  # `tau` is the commanded torque, not the delivered one
     assert np.abs(INERTIA * motion.ddq).max() <= 1.5 + 1e-12
 
 

@@ -122,9 +122,9 @@ def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_live_view_goes_on_until_the_daemon_falls_silent(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    told = Told(*((status_view.HEALTH, {**HEALTH, "samples": n}) for n in (1000, 2000, 3000)), None)
-    monkeypatch.setattr(status_view, "Subscriber", lambda *_, **__: contextlib.nullcontext(told))
+    subscriber = Told(*((status_view.HEALTH, {**HEALTH, "samples": n}) for n in (1000, 2000, 3000)), None)
+    monkeypatch.setattr(status_view, "Subscriber", lambda *_, **__: contextlib.nullcontext(subscriber))
     with pytest.raises(DeviceError, match="is not heard any more since 3 s"):
         status("ipc://here", None, once=False, as_json=False)
     assert "3000, 32 lost" in capsys.readouterr().out
-    assert told.messages == []
+    assert subscriber.messages == []

@@ -40,8 +40,8 @@ def calibrated(monkeypatch):
     """Put an answer into the calibration's mouth; return what it was asked."""
     asked = {}
 
-    def tell(learn, evaluate, marker_set, limb, body, seed, told, search):
-        told("fitting", 3)
+    def calibrate(learn, evaluate, marker_set, limb, body, seed, progress, search):
+        progress("fitting", 3)
         asked.update(learn=learn, evaluate=evaluate, limb=limb, body=body, seed=seed, search=search)
         notes = [Note("poor", "a marker slid")]
         written = lambda path, answer, notes: path.write_text(f"{len(notes)} notes")  # noqa: E731
@@ -50,7 +50,7 @@ def calibrated(monkeypatch):
         )
 
     asked["answer"] = ANSWER
-    monkeypatch.setattr(limb_kinematics, "calibrated_limb", tell)
+    monkeypatch.setattr(limb_kinematics, "calibrated_limb", calibrate)
     return asked
 
 

@@ -46,8 +46,8 @@ def test_segments_have_mass_centre_and_inertia_about_it(learnt):
         found = [row["mass_kg"]["std"], *row["com_m"]["std"], *row["inertia_kg_m2"]["std"]]
         np.testing.assert_allclose(found, std, rtol=1e-4)
         share = np.clip(1.0 - (std / before) ** 2, 0.0, 1.0)
-        told = [row["learnt"]["mass"], *row["learnt"]["com"], *row["learnt"]["inertia"]]
-        np.testing.assert_allclose(told, share, atol=1e-4)
+        shares = [row["learnt"]["mass"], *row["learnt"]["com"], *row["learnt"]["inertia"]]
+        np.testing.assert_allclose(shares, share, atol=1e-4)
         prior = about_centre(fit.before[own])
         np.testing.assert_allclose([row["mass_kg"]["prior"], *row["com_m"]["prior"]], prior[:4])
         assert row["segment"] == NAMES[BASE.bodies[k]] and row["joint"] == BASE.bodies[k] + 1

@@ -1,4 +1,4 @@
-"""A refusal is a mistake of data, told in one sentence, that its catchers can tell from others."""
+"""A refusal is a mistake of data, in one sentence, of a type that can be caught by itself."""
 
 import pytest
 
