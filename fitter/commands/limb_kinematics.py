@@ -17,8 +17,9 @@ from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
 from fitter.commands.options import height_m, make_room, mass_kg
 from fitter.functional.marker_set import load_marker_set
+from fitter.kinematics.geometry_fit import LEAST_EXPLAINED
 from fitter.limb.limb_search import GENERATIONS, Search
-from fitter.limb.marker_errors import LEAST_EXPLAINED, hardly
+from fitter.limb.marker_errors import hardly
 from fitter.limb.probing import with_probed
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, Unusable

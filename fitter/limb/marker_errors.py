@@ -5,11 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Floats
+from fitter.kinematics.geometry_fit import LEAST_EXPLAINED
 from fitter.limb.marker_observations import Frames
-
-#: Least fraction of the markers' motion's square that a calibration explains: below it the residual is 87 % of its
-#: rms, as with a measured tip.
-LEAST_EXPLAINED = 0.25
 
 
 @dataclass(frozen=True)
