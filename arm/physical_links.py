@@ -9,8 +9,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 import scipy.linalg
-import scipy.optimize
 
 from arm.model import Arm, Floats, Link
 

@@ -12,8 +12,8 @@ from dataclasses import dataclass, field
 
 import cma
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, differential_evolution, least_squares, minimize
 
 from arm.model import Floats
 from fitter.search.genetic import POPULATION, GeneticAlgorithm
@@ -127,8 +127,8 @@ def nelder_mead(problem: Problem, start: Floats, _seed: int) -> None:
         "xatol": 1e-10,
         "fatol": 1e-14,
     }
-    bounds = Bounds(problem.lower, problem.upper)
-    minimize(problem.cost, start, method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
+    bounds = scipy.optimize.Bounds(problem.lower, problem.upper)
+    scipy.optimize.minimize(problem.cost, start, method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
 
 
 def cma_es(problem: Problem, start: Floats, seed: int) -> None:
@@ -156,9 +156,9 @@ def differential(problem: Problem, _start: Floats, seed: int) -> None:
     def costs(genes: Floats) -> Floats:
         return problem.costs(genes.T)
 
-    differential_evolution(
+    scipy.optimize.differential_evolution(
         costs,  # type: ignore[arg-type]
-        Bounds(problem.lower, problem.upper),
+        scipy.optimize.Bounds(problem.lower, problem.upper),
         rng=np.random.default_rng(seed),
         popsize=max(5, POPULATION // len(problem.lower)),
         maxiter=problem.budget,
@@ -179,7 +179,7 @@ def bounded_least_squares(problem: Problem, start: Floats, _seed: int) -> None:
     def slopes(x: Floats) -> Floats:
         return problem.slopes(x, residual(x))
 
-    least_squares(
+    scipy.optimize.least_squares(
         residual,
         start,
         slopes,

@@ -14,8 +14,6 @@ from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_search import Search
 from fitter.limb.written_arm import calibrated_arm
-from fitter.report.body_page import write_body_page
-from fitter.report.limb_page import write_limb_page
 from limbcal.command import Document
 from limbcal.note import Note
 from protocol.markers.recording import MarkerRecording
@@ -55,13 +53,19 @@ def calibrated_limb(
     search: Search | None = None,
 ) -> Calibrated:
     """Calibrate one limb: its preset, and from where on an arm begins; by a search where one is given."""
+
+    def write_page(path: Path, answer: Document, notes: Sequence[Note]) -> None:
+        from fitter.report.limb_page import write_limb_page
+
+        write_limb_page(path, fit, answer, [*learn, *evaluate], notes)
+
     preset, girdle = limb
     fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=told, search=search)
     return Calibrated(
         calibrated_arm(fit, body),
         document(fit, learn, evaluate, seed),
         fit.notes,
-        lambda path, answer, notes: write_limb_page(path, fit, answer, [*learn, *evaluate], notes),
+        write_page,
     )
 
 
@@ -69,10 +73,16 @@ def calibrated_person(
     learn: Recordings, evaluate: Recordings, marker_set: MarkerSet, body: Body | None, seed: int, told: Told
 ) -> Calibrated:
     """Calibrate a whole person."""
+
+    def write_page(path: Path, answer: Document, notes: Sequence[Note]) -> None:
+        from fitter.report.body_page import write_body_page
+
+        write_body_page(path, fit, answer, [*learn, *evaluate], notes)
+
     fit = calibrate_body(learn, marker_set, body, seed, progress=told)
     return Calibrated(
         calibrated_body(fit, body),
         body_document(fit, learn, evaluate, seed),
         fit.notes,
-        lambda path, answer, notes: write_body_page(path, fit, answer, [*learn, *evaluate], notes),
+        write_page,
     )

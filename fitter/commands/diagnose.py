@@ -27,7 +27,6 @@ from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.torque_wiring import check_wiring
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
-from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, console, say, show, to_json, with_asked
 from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError, Unusable
@@ -105,6 +104,8 @@ def diagnose_command(arguments: argparse.Namespace) -> Document:
             progress=lambda what, done: progress.update(task, description=what, completed=done, refresh=True),
         )
     out: Path = arguments.out
+    from fitter.report.diagnosis_report import write_diagnosis
+
     write_diagnosis(found, out)
     _say(found.finding, out)
     return found.finding.document()

@@ -15,7 +15,6 @@ from arm.model import Arm
 from fitter.commands.limb_kinematics import recordings_of
 from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
 from fitter.marker_diagnosis.marker_finding import MarkerFinding, MarkerNumber, NamedMarkerCause, diagnose_markers
-from fitter.report.marker_diagnosis import write_marker_report
 from limbcal.command import Document, console, say_notes, show, to_json, with_asked
 from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError
@@ -79,6 +78,8 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
     except OSError as error:
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
     save_arm(finding.arm, out / "extended.toml")
+    from fitter.report.marker_diagnosis import write_marker_report
+
     write_marker_report(finding, [described(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:

@@ -17,7 +17,6 @@ from fitter.data.raw import RawRun, load_raw
 from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from fitter.reading_diagnosis.sensor_verdict import SensorCause, SensorFinding
-from fitter.report.sensor_diagnosis import write_sensor_report
 from limbcal.command import Document, console, show, to_json, with_asked
 from limbcal.digits import with_interval
 from limbcal.errors import DataError, DeviceError
@@ -62,6 +61,8 @@ def diagnose_readings(arm: Arm, learn: Sequence[RawRun], evaluate: Sequence[RawR
     except OSError as error:
         raise DeviceError(f"{out}: cannot be written: {error.strerror}") from error
     save_arm(finding.arm, out / "extended.toml")
+    from fitter.report.sensor_diagnosis import write_sensor_report
+
     write_sensor_report(finding, [described(cause) for cause in finding.causes], _SENTENCES[finding.verdict], out)
     show(_SENTENCES[finding.verdict])
     for cause in finding.causes:

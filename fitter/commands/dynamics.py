@@ -45,8 +45,7 @@ from fitter.dynamics.usability import explained_of, joint_notes, next_to_nothing
 from fitter.dynamics.written import determined_by_data, save_calibrated
 from fitter.regression_sums.saved_sums import is_sums
 from fitter.report.assumptions import dynamics_assumptions
-from fitter.report.compared import load_compared, scores_document
-from fitter.report.fit_pages import dynamics_page
+from fitter.report.compared import Compared, load_compared, scores_document
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
@@ -160,17 +159,28 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         say_compared(answer["compared"])
     reasons = unusable(fit, plain, bare, scores)
     if arguments.report is not None:
-        others = {c.name: c.parameters for c in compared}
-        files = expand([*arguments.learn, *arguments.evaluate])
-        page = dynamics_page(
-            fit, answer, learn, evaluate, others, [arguments.arm, *files], arguments.horizon, reasons
-        )
-        page.write(arguments.report)
-        show(f"report: {arguments.report}")
+        _write_page(arguments, fit, answer, (learn, evaluate), compared, reasons)
     answer = with_notes(answer, notes)
     if reasons:
         raise Unusable(reasons, answer)
     return answer
+
+
+def _write_page(
+    arguments: argparse.Namespace,
+    fit: DynamicsFit,
+    answer: Document,
+    trials: tuple[Sequence[Trial], Sequence[Trial]],
+    compared: Sequence[Compared],
+    reasons: Sequence[str],
+) -> None:
+    """Write the report: the trials to learn from and to evaluate on, what was learnt, why it is of no use."""
+    from fitter.report.fit_pages import dynamics_page
+
+    others = {c.name: c.parameters for c in compared}
+    sources = [arguments.arm, *expand([*arguments.learn, *arguments.evaluate])]
+    dynamics_page(fit, answer, *trials, others, sources, arguments.horizon, reasons).write(arguments.report)
+    show(f"report: {arguments.report}")
 
 
 def _free_swing(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial]) -> Document:

@@ -13,7 +13,6 @@ from fitter.controller.equilibrium_ratios import EquilibriumFit, EquilibriumRati
 from fitter.data.trial import Trial
 from fitter.dynamics.written import save_calibrated
 from fitter.ground.floating_base import floating_base
-from fitter.report.equilibrium_page import write_equilibrium_page
 from limbcal.command import Document, say, show
 from limbcal.digits import with_half_width
 from limbcal.errors import ConfigError
@@ -59,6 +58,8 @@ def up_to_scale(arguments: argparse.Namespace, arm: Arm, learn: Sequence[Trial])
     say(f"{arguments.out} keeps the masses that the arm had: ratios set none")
     if arguments.report is not None:
         files = expand([*arguments.learn])
+        from fitter.report.equilibrium_page import write_equilibrium_page
+
         write_equilibrium_page(arguments.report, arm.name, fit, [arguments.arm, *files])
         show(f"report: {arguments.report}")
     return fit.document() | {"notes": documents(notes)}

@@ -21,7 +21,6 @@ from fitter.ground.ground_dynamics import learn_from_ground
 from fitter.ground.ground_score import ground_score, worse_than_nothing
 from fitter.ground.ground_trial import GroundTrial, ground_trial
 from fitter.ground.link_names import link_named, link_names
-from fitter.report.ground_page import write_ground_page
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note, of_source
@@ -108,6 +107,8 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     say_ground(fit, scores, names, prior=arguments.prior is not None)
     if arguments.report is not None:
         files = [*(Path(one) for one in (*arguments.learn, *arguments.evaluate)), *arguments.ground]
+        from fitter.report.ground_page import write_ground_page
+
         write_ground_page(arguments.report, fit, scores, judged or learnt_from, names, files, notes)
         show(f"report: {arguments.report}")
     return with_notes(answer, notes)

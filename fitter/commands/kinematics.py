@@ -31,7 +31,6 @@ from fitter.kinematics.geometry_fit import GENERATIONS, LEAST_EXPLAINED, fit_kin
 from fitter.kinematics.kinematics_fit import KinematicsFit, angle_noise_deg, document, gauge_sentences
 from fitter.kinematics.tip_error import TipScore, tip_score
 from fitter.report.compared import geometry_by_name
-from fitter.report.fit_pages import kinematics_page
 from fitter.report.parameter_table import parameter_table
 from limbcal.command import Document, console, say, say_notes, show
 from limbcal.errors import ConfigError, Unusable
@@ -122,6 +121,8 @@ def kinematics(arguments: argparse.Namespace) -> Document:
         answer["compared"] = compared
     if arguments.report is not None:
         files = expand([*arguments.data, *arguments.evaluate])
+        from fitter.report.fit_pages import kinematics_page
+
         kinematics_page(fit, answer, learn, evaluate, compared, [arguments.arm, *files]).write(arguments.report)
         show(f"report: {arguments.report}")
     reasons = [

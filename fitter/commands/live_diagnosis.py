@@ -8,7 +8,6 @@ from fitter.data.trial import Trial
 from fitter.diagnosis.diagnosis import Diagnosis, diagnose
 from fitter.dynamics.found_targets import HINT, with_target
 from fitter.live.calibration import Calibration
-from fitter.report.diagnosis_report import write_diagnosis
 from limbcal.command import Document, say, show, to_json
 from limbcal.errors import DataError, DeviceError, LimbcalError
 
@@ -54,6 +53,8 @@ def write_live_diagnosis(found: Diagnosis, out: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"{folder}: cannot be made a directory: {error.strerror}") from error
+    from fitter.report.diagnosis_report import write_diagnosis
+
     write_diagnosis(found, folder)
     show(f"diagnosis: {folder / 'report.html'}")
 

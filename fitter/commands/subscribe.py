@@ -22,7 +22,6 @@ from fitter.live.complete_stream import CompleteStream
 from fitter.live.session import Session
 from fitter.live.warm_up import warm_up
 from fitter.report.compared import Compared, load_compared
-from fitter.report.results import write_results
 from limbcal.command import Document, console, say, say_notes
 from limbcal.errors import ConfigError, DeviceError, LimbcalError, NotIdentifiable, Unusable
 from limbcal.note import Note, documents
@@ -147,6 +146,8 @@ def _document(arguments: argparse.Namespace, followed: _Followed) -> dict[str, o
     session, trials = followed.session, followed.session.trials(arguments.trials)
     document: dict[str, object] = {"stream": session.report()}
     if session.calibration.learnt:
+        from fitter.report.results import write_results
+
         document = write_results(
             session.calibration, followed.compared, session.report(), arguments.out, dict(trials), followed.notes
         )

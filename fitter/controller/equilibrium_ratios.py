@@ -9,7 +9,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
@@ -129,7 +129,7 @@ def equilibrium_ratios(arm: Arm, trials: Sequence[Trial], seed: int = 0) -> Equi
     fits = list[HomogeneousFit]()
     for bandwidth in tried:
         fit = _fit(equations, float(bandwidth), arm.n_joint)
-        if fit.sigma**2 * fit.dof > chi2.isf(_FALSE / n_tried, fit.dof):
+        if fit.sigma**2 * fit.dof > scipy.stats.chi2.isf(_FALSE / n_tried, fit.dof):
             break
         fits.append(fit)
     if not fits:

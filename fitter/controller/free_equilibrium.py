@@ -12,8 +12,8 @@ orthogonal to all such splines is homogeneous in ``(b, k_p)``; ``k_v`` multiplie
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.fft
-from scipy.interpolate import BSpline
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
@@ -151,7 +151,7 @@ def _splines(t: Floats, bandwidth_hz: float) -> Floats:
     parts = max(int(np.ceil(_KNOTS * bandwidth_hz * (t[-1] - t[0]))), 1)
     inner = np.linspace(t[0], t[-1], parts + 1)
     knots = np.concatenate([np.full(_DEGREE, t[0]), inner, np.full(_DEGREE, t[-1])])
-    return np.asarray(BSpline.design_matrix(t, knots, _DEGREE).toarray())
+    return np.asarray(scipy.interpolate.BSpline.design_matrix(t, knots, _DEGREE).toarray())
 
 
 def _drawn(rng: np.random.Generator, noise: Floats, n: int, dt_s: float, limit_hz: float) -> list[Floats]:

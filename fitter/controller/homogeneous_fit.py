@@ -16,9 +16,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.linalg
-from scipy.stats import chi2
-from scipy.stats import f as f_distribution
 
 from arm.model import Floats
 from fitter.controller.row_noise import RowNoise
@@ -61,9 +60,9 @@ class HomogeneousFit:
     @property
     def threshold(self) -> float:
         """What ``x' gram x / x' noise x`` may be within an interval of 95 %."""
-        noise = max(self.sigma**2, 1.0) * float(chi2.ppf(CONFIDENCE, self.dof)) / self.dof
+        noise = max(self.sigma**2, 1.0) * float(scipy.stats.chi2.ppf(CONFIDENCE, self.dof)) / self.dof
         if self.dof * (self.next_sigma**2 - noise) > _STRONG * (len(self.x) - 1.0):
-            return self.sigma**2 * (1.0 + float(f_distribution.ppf(CONFIDENCE, 1, self.dof)) / self.dof)
+            return self.sigma**2 * (1.0 + float(scipy.stats.f.ppf(CONFIDENCE, 1, self.dof)) / self.dof)
         return noise
 
     def ratio(self, over: Floats, under: Floats) -> tuple[float, tuple[float, float] | None]:

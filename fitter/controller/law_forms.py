@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.model import Floats, Law
 from fitter.controller.law_columns import EQUATIONS, GAINS, TERMS, LawColumns
@@ -129,7 +129,7 @@ def _is_there(fit: LawFit, name: str, gram: Floats) -> bool:
     n = len(law)
     torque = float(law @ gram[joint, :n, :n] @ law)
     large = value**2 * float(gram[joint, k, k]) > _LEAST_TORQUE**2 * torque
-    return bool(large and variance > 0.0 and value**2 / variance > chi2.isf(_SIGNIFICANCE, 1))
+    return bool(large and variance > 0.0 and value**2 / variance > scipy.stats.chi2.isf(_SIGNIFICANCE, 1))
 
 
 def _open(fit: LawFit, free: set[int]) -> set[int]:

@@ -11,8 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.signal import detrend, periodogram
 
 Floats = NDArray[np.float64]
 
@@ -107,8 +107,8 @@ def _edge_above_white_noise(centre: Floats, level: Floats, power: int) -> float 
 def _acceleration_spectrum(signal: Signal) -> tuple[Floats, Floats]:
     """Return frequencies and the power density of the acceleration, summed over the joints."""
     differences = np.diff(signal.values, n=signal.missing, axis=0) / signal.dt_s**signal.missing
-    frequency, density = periodogram(
-        detrend(differences, axis=0, type="constant"), fs=1.0 / signal.dt_s, window="hann", axis=0
+    frequency, density = scipy.signal.periodogram(
+        scipy.signal.detrend(differences, axis=0, type="constant"), fs=1.0 / signal.dt_s, window="hann", axis=0
     )
     # what differences lose against derivatives
     response = np.sinc(frequency * signal.dt_s) ** (2 * signal.missing)

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 import numpy as np
-from scipy.interpolate import make_interp_spline
+import scipy
 
 from arm.base_pose import frame_0_poses
 from arm.model import Arm, Floats
@@ -31,7 +31,7 @@ def derivatives(t: Floats, values: Floats) -> tuple[Floats, Floats]:
     """
     if len(t) < LEAST_SAMPLES:
         raise DataError(f"a trial has {len(t)} samples, expected at least {LEAST_SAMPLES} to differentiate")
-    spline = make_interp_spline(t, values, k=5, axis=0)
+    spline = scipy.interpolate.make_interp_spline(t, values, k=5, axis=0)
     return np.asarray(spline(t, nu=1)), np.asarray(spline(t, nu=2))
 
 

@@ -2,12 +2,12 @@
 
 import functools
 import math
+from collections.abc import Callable
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import BSpline, make_interp_spline
-from scipy.signal import butter, sosfilt, sosfilt_zi
 
 Floats = NDArray[np.float64]
 Ends = Literal["odd", "even"]
@@ -54,15 +54,15 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float, ends: Ends = "odd") -
     column = np.concatenate([before, values, after])
     settled = settled.reshape(*settled.shape, *(1 for _ in values.shape[1:]))
     for _ in range(2):  # forwards, and what came of that backwards
-        column = sosfilt(sections, column, axis=0, zi=settled * column[0])[0][::-1]
+        column = scipy.signal.sosfilt(sections, column, axis=0, zi=settled * column[0])[0][::-1]
     return np.asarray(column[padding : padding + len(values)], dtype=np.float64)
 
 
 @functools.cache
 def _sections(dt_s: float, cutoff_hz: float) -> tuple[Floats, Floats]:
     """Return the filter's sections and their state when settled at one, made once: `sosfiltfilt` makes it anew."""
-    sections = np.asarray(butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos"), dtype=np.float64)
-    return sections, np.asarray(sosfilt_zi(sections), dtype=np.float64)
+    sections = np.asarray(scipy.signal.butter(ORDER, cutoff_hz, fs=1.0 / dt_s, output="sos"), dtype=np.float64)
+    return sections, np.asarray(scipy.signal.sosfilt_zi(sections), dtype=np.float64)
 
 
 def settling_samples(dt_s: float, cutoff_hz: float) -> int:
@@ -99,10 +99,10 @@ def both_derivatives(values: Floats, dt_s: float) -> tuple[Floats, Floats]:
     return _along(spline, len(values), dt_s, 1), _along(spline, len(values), dt_s, 2)
 
 
-def _spline(values: Floats) -> BSpline:
-    return make_interp_spline(np.arange(len(values)), values, k=5, axis=0)
+def _spline(values: Floats) -> Callable[..., Floats]:
+    return scipy.interpolate.make_interp_spline(np.arange(len(values)), values, k=5, axis=0)
 
 
-def _along(spline: BSpline, n: int, dt_s: float, order: int) -> Floats:
+def _along(spline: Callable[..., Floats], n: int, dt_s: float, order: int) -> Floats:
     derivative: Floats = spline(np.arange(n), nu=order) / dt_s**order
     return derivative

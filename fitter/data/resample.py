@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from itertools import count
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline, PchipInterpolator, make_interp_spline
 
 from fitter.data.derivatives import lowpass
 from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
@@ -184,12 +184,12 @@ def curve_through(role: str, t: Floats, values: Floats, crowded: bool) -> Curve:
         between = (t[1:] + t[:-1]) / 2.0
         return lambda at: values[np.searchsorted(between, at, side="right")]
     if role in ("ref", "contradicted"):
-        line = make_interp_spline(t, values, k=1, axis=0)
+        line = scipy.interpolate.make_interp_spline(t, values, k=1, axis=0)
         return lambda at: np.asarray(line(np.minimum(at, t[-1])))
     if role == "tau" or crowded:
         with np.errstate(over="ignore"):  # 1 over a slope of 1e-310; the harmonic mean is then 0
-            return PchipInterpolator(t, values, axis=0)
-    return CubicSpline(t, values, axis=0)
+            return scipy.interpolate.PchipInterpolator(t, values, axis=0)
+    return scipy.interpolate.CubicSpline(t, values, axis=0)
 
 
 def _resolution(t: Floats, step: float) -> float:

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.signal import butter
+import scipy
 
 from fitter.data.derivatives import HIGHEST_CORNER, ORDER
 
@@ -72,5 +72,5 @@ def windows(seen: slice, counted: slice, portion: int, margin: int) -> Iterator[
 def forgetting_samples(dt_s: float, *corners_hz: float) -> int:
     """Return how far an edge is seen through zero-phase filters with these corners, one after the other."""
     filters = [corner for corner in corners_hz if corner * dt_s < HIGHEST_CORNER]
-    poles = [butter(ORDER, corner, fs=1.0 / dt_s, output="zpk")[1] for corner in filters]
+    poles = [scipy.signal.butter(ORDER, corner, fs=1.0 / dt_s, output="zpk")[1] for corner in filters]
     return sum(math.ceil(math.log(FORGOTTEN) / math.log(np.abs(pole).max())) for pole in poles)

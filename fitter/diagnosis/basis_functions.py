@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import product
 
 import numpy as np
-from scipy.interpolate import BSpline
+import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import ROUNDED
@@ -101,7 +101,8 @@ class BasisFunctions:
                     knots[1 + np.argmin(np.abs(knots[1:-1]))] = 0.0
                 knots = np.concatenate([[low], knots, [high]])
                 at = np.clip(values, low, high - ROUNDED * (high - low))
-                self._known[key] = np.asarray(BSpline.design_matrix(at, knots, 1).toarray(), dtype=np.float64)
+                design = scipy.interpolate.BSpline.design_matrix(at, knots, 1)
+                self._known[key] = np.asarray(design.toarray(), dtype=np.float64)
         return self._known[key]
 
     def _powers(self, motion: Motion, name: str, most: int) -> Floats:

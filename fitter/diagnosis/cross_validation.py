@@ -10,7 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import rankdata
+import scipy
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
@@ -59,7 +59,7 @@ def dependences(
         moving = np.flatnonzero(np.isfinite(residual[:, j]))[::step]
         if len(moving) < 100:
             continue
-        r = rankdata(residual[moving, j], method="ordinal")
+        r = scipy.stats.rankdata(residual[moving, j], method="ordinal")
         shifts = rng.integers(len(r) // 20, len(r) - len(r) // 20, n_shifted)
         for name, column in columns.items():
             order = np.argsort(np.concatenate([column(motion) for motion in motions])[moving], kind="stable")

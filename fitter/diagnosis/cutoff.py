@@ -11,7 +11,7 @@ a measured torque is mostly noise, whoever reads the verdict has to know.
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.stats import norm
+import scipy
 
 from arm.model import Arm, Floats
 from fitter.data.resample import Uniform
@@ -122,4 +122,5 @@ def white_noise(columns: Sequence[Floats]) -> Floats:
     Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
-    return np.asarray(np.median(np.abs(third), axis=0) / norm.ppf(0.75) / np.sqrt(20.0), dtype=np.float64)
+    deviation = np.median(np.abs(third), axis=0) / scipy.special.ndtri(0.75)
+    return np.asarray(deviation / np.sqrt(20.0), dtype=np.float64)

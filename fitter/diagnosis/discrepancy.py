@@ -10,7 +10,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.stats import kstwobign
+import scipy
 
 from fitter.diagnosis.basis_functions import Discrepancy, names
 from fitter.diagnosis.cross_validation import CrossValidation, dependences, typical
@@ -144,7 +144,7 @@ def _white(regression: Regression, final: Candidate) -> bool:
     line follows Kolmogorov's law (Bartlett 1954).
     """
     # Kolmogorov's law leaves the probability of a false cause above this.
-    most, worst = float(kstwobign.isf(np.exp(-ODDS_NATS))), 0.0
+    most, worst = float(scipy.stats.kstwobign.isf(np.exp(-ODDS_NATS))), 0.0
     flat = regression.weighting.flat_share(regression.motions[0].dt_s)
     for joint in range(regression.arm.n_joint):
         power = np.zeros(128)

@@ -6,8 +6,8 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 from scipy.ndimage import spline_filter1d
-from scipy.signal import lfilter
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
@@ -193,7 +193,7 @@ def lagging(u: Floats, time_constant_s: float, dt_s: float, fine_s: float = 0.00
     fade = np.exp(-h)
     new = 1.0 - (1.0 - fade) / h  # exact for a ramp
     old = (1.0 - fade) - new
-    followed, _ = lfilter([new, old], [1.0, -fade], fine, zi=[u[0] * (1.0 - new)])
+    followed, _ = scipy.signal.lfilter([new, old], [1.0, -fade], fine, zi=[u[0] * (1.0 - new)])
     return np.asarray(followed[::parts], dtype=np.float64)
 
 

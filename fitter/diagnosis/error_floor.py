@@ -15,8 +15,8 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
+import scipy
 import scipy.fft
-import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats

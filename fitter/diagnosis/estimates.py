@@ -8,8 +8,8 @@ differ (Liang and Zeger 1986); and what a model lacks alike in all of them, in h
 from dataclasses import dataclass, replace
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import chi2
 
 from arm.base_parameters import BaseParameters
 from arm.model import Arm, Floats
@@ -102,7 +102,7 @@ def significant(fitted: Candidate, covariance: Floats) -> list[bool]:
             size = psi - (np.array(hypothesis.nothing) if hypothesis.nothing else 0.0)
         known = bool(np.all(np.isfinite(scatter)))
         wald = float(size @ np.linalg.pinv(scatter, hermitian=True) @ size) if known else 0.0
-        said.append(wald > chi2.ppf(CONFIDENCE, max(n or len(psi), 1)))
+        said.append(wald > scipy.stats.chi2.ppf(CONFIDENCE, max(n or len(psi), 1)))
         at, psi_at = at + n, psi_at + len(psi)
     return said
 

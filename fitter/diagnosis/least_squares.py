@@ -6,10 +6,10 @@ With the tolerances, probabilities and limits that all parts of a diagnosis shar
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 import scipy.fft
 import scipy.linalg
 from numpy.typing import NDArray
-from scipy.stats import norm
 
 from arm.model import Floats
 
@@ -22,7 +22,7 @@ SLOPE = float(np.cbrt(ROUNDED))
 TINY = 1e-300
 #: Probability with which what is nothing passes for nothing, the field's usual one, and its standard errors.
 CONFIDENCE = 0.95
-EQUAL_SIGMAS = float(norm.ppf(0.5 + 0.5 * CONFIDENCE))
+EQUAL_SIGMAS = float(scipy.special.ndtri(0.5 + 0.5 * CONFIDENCE))
 #: Standard deviations at which one of a run's some thousand samples is hardly ever by chance: one in 16 000.
 SIGMAS = 4.0
 #: A variance clearly exceeds another if it is this multiple of it: 3 dB.

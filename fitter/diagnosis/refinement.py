@@ -10,8 +10,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.optimize
-import scipy.signal
+import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.errors_in_variables import Noise

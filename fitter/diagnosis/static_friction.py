@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Effect, Floats

@@ -5,7 +5,7 @@ from contextlib import suppress
 from dataclasses import replace
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from fitter.diagnosis.error_floor import floored, part_of_floor
 from fitter.diagnosis.estimates import estimates, significant
@@ -170,7 +170,7 @@ class TorqueLikelihood:
         candidate = self._by_torque(fit.candidate)
         count = np.array([everywhere or motion.learn for motion in self.regression.motions])
         n_effective = self.regression.n_effective[count]
-        most = NOISE_VARIANCE_TOLERANCE * chi2.ppf(1.0 - np.exp(-ODDS_NATS) / len(n_effective), n_effective)
+        most = NOISE_VARIANCE_TOLERANCE * scipy.stats.chi2.isf(np.exp(-ODDS_NATS) / len(n_effective), n_effective)
         return floored(self.regression, candidate)[2].is_none and bool(np.all(candidate.squares[count] <= most))
 
     def has_large_residual(self, fit: Fit) -> bool:

@@ -9,7 +9,7 @@ have a spectrum of their own (the idea is Hausman's, Econometrica 46, 1978).
 from dataclasses import replace
 
 import numpy as np
-import scipy.stats
+import scipy
 from numpy.typing import NDArray
 
 from arm.model import Floats

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque

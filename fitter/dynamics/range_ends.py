@@ -12,7 +12,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.model import Arm, Floats
 from fitter.data.trial import Trial
@@ -114,7 +114,8 @@ def stiff_ends(arm: Arm, trials: Sequence[Trial], fit: Callable[[Sequence[RangeE
     best = int(np.argmin([one.cost for one in fits]))
     ends, moments, cost = tried[best], fits[best].values, fits[best].cost
     n_effective = sum(_independent_equations(trial) for trial in trials)
-    threshold = float(chi2.isf(_FALSE / (len(reached) * len(RATES)), 1))  # as many are looked at (Bonferroni)
+    false = _FALSE / (len(reached) * len(RATES))  # as many are looked at (Bonferroni)
+    threshold = float(scipy.stats.chi2.isf(false, 1))
     without = [fit([one for one in ends if one != end]).cost for end in ends]
     return [
         end

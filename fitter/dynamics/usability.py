@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 
 import numpy as np
-import scipy.stats
+import scipy
 
 from arm.model import Arm, Floats
 from fitter.data.standstill import REST_SPEED

@@ -14,7 +14,7 @@ show.
 """
 
 import numpy as np
-from scipy.optimize import nnls
+import scipy
 
 from arm.model import Floats
 from fitter.functional.relative_motion import RelativeMotion, part_sums, turning
@@ -43,7 +43,7 @@ def skin_turns(motion: RelativeMotion, both_m: Floats) -> tuple[float, float]:
     # least squares over the nine elements of all frames, by a square root of its normal equations
     values, axes = np.linalg.eigh(gram)
     root = np.sqrt(np.maximum(values, values[-1] * 1e-9))
-    variances = nnls(root[:, None] * axes.T, axes.T @ seen / root)[0] / size
+    variances = scipy.optimize.nnls(root[:, None] * axes.T, axes.T @ seen / root)[0] / size
     return float(variances[1]), float(variances[2])
 
 

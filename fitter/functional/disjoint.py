@@ -10,8 +10,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from arm.model import Floats
 
@@ -93,7 +93,7 @@ def jackknife(answer: Callable[[NDArray[np.bool_]], Floats], n_part: int) -> Flo
 
 def coverage_factor(n_part: int, probability: float = 0.95) -> float:
     """Return how many standard deviations make an interval: Student's t, one degree of freedom below the parts."""
-    return float(student.ppf(0.5 + probability / 2.0, n_part - 1)) if n_part > 1 else np.nan
+    return float(scipy.stats.t.ppf(0.5 + probability / 2.0, n_part - 1)) if n_part > 1 else np.nan
 
 
 def rms_apart(answers: Sequence[Floats]) -> float:

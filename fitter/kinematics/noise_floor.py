@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from math import comb
 
 import numpy as np
-import scipy.signal
+import scipy
 
 from arm.model import Floats
 from fitter.data.trial import Trial

@@ -11,7 +11,7 @@ from dataclasses import dataclass
 from itertools import combinations
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.model import Effect, Floats
 from fitter.marker_diagnosis.trial_errors import TrialErrors
@@ -88,7 +88,7 @@ def suspicions(trials: Sequence[TrialErrors]) -> tuple[list[Suspicion], Wander]:
 def _share(known: Sequence[tuple[Floats, float]]) -> float:
     """Return the rms of vectors as a share of their markers' std, by the median."""
     ratio = [float(value @ value) / std**2 for value, std in known if np.isfinite(value).all()]
-    return float(np.sqrt(np.median(ratio) / chi2.median(3))) if ratio else 1.0
+    return float(np.sqrt(np.median(ratio) / scipy.stats.chi2.median(3))) if ratio else 1.0
 
 
 def _sound(trials: Sequence[TrialErrors], m: int) -> Floats:

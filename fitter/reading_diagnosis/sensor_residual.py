@@ -8,7 +8,7 @@ time, which keeps its own course.
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import CLEAR_RATIO, NEGLIGIBLE, ROUNDED
@@ -161,7 +161,7 @@ def noise_factor(trials: Trials, fitted: Fitted, degrees: int = 10) -> float:
         change = np.diff(unit, axis=0) / np.sqrt(1.0 - at.correlation)
         there = free[1:] > 0
         squares.append(((change**2).sum(axis=1)[there] / 2.0) / free[1:][there])
-    return float(np.median(np.concatenate(squares)) / (chi2.median(degrees) / degrees))
+    return float(np.median(np.concatenate(squares)) / (scipy.stats.chi2.median(degrees) / degrees))
 
 
 def beyond_level(trials: Trials, fitted: Fitted, sensor: int) -> float:

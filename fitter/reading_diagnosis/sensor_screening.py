@@ -10,7 +10,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.signal import detrend, find_peaks
+import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import N_REFINED
@@ -44,7 +44,7 @@ def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer
         felt, unit = at.from_base() * at.weight[..., None], at.residual * at.weight
         normal = np.einsum("kcx,kcy->kxy", felt, felt) + 1e-9 * np.eye(3)
         felt_most = np.linalg.solve(normal, np.einsum("kcx,kc->kx", felt, unit)[..., None])[..., 0]
-        base.append(detrend(felt_most, axis=0))
+        base.append(scipy.signal.detrend(felt_most, axis=0))
         times.append(at.trial.t)
     t, a, dt = np.concatenate(times), np.concatenate(base), trials.trials[0].dt_s
     place = np.round((t - t[0]) / dt).astype(int)
@@ -54,7 +54,7 @@ def base_frequencies(trials: Trials, free: Fitted, lowest_hz: float = 0.1, finer
     power = (np.abs(np.fft.rfft(even, n=n, axis=0)) ** 2).sum(axis=1)
     frequency = np.fft.rfftfreq(n, dt)
     power[frequency < lowest_hz] = 0.0
-    peaks, _ = find_peaks(power, distance=4 * finer)
+    peaks, _ = scipy.signal.find_peaks(power, distance=4 * finer)
     highest = peaks[np.argsort(-power[peaks])][:N_REFINED]
     return [float(frequency[peak]) for peak in highest]
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.stats import chi2
+import scipy
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.least_squares import N_REFINED, NEGLIGIBLE, ODDS_NATS, SIGMAS
@@ -158,7 +158,7 @@ class Search:
     def doubtful(self, fitted: Fitted) -> bool:
         """Return whether something may still be wrong: the residual exceeds noise, or a bias is unusual."""
         worst = float(np.sum((fitted.hypothesis.bias / USUAL_BIAS_M_S2) ** 2, axis=1).max())
-        return self.contradiction(fitted).sigmas > SIGMAS or worst > chi2.isf(np.exp(-ODDS_NATS), 3)
+        return self.contradiction(fitted).sigmas > SIGMAS or worst > scipy.stats.chi2.isf(np.exp(-ODDS_NATS), 3)
 
     def fit_again(self, hypothesis: SensorHypothesis, motions: list[Floats]) -> Fitted:
         """Return a hypothesis fitted and judged."""

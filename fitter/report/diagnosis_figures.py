@@ -3,10 +3,10 @@
 from collections.abc import Callable, Sequence
 
 import numpy as np
+import scipy
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
-from scipy.signal import periodogram
 
 from arm.model import Floats
 from fitter.diagnosis.basis_functions import variable
@@ -256,7 +256,8 @@ def _by_frequency(
     size = max(len(trace.motion.t) for trace in judging)
     power = np.zeros(size // 2 + 1)
     for trace in judging:
-        f, one = periodogram(np.nan_to_num(trace.residuals[k][:, j]), 1.0 / dt_s, nfft=size, detrend=False)
+        residual = np.nan_to_num(trace.residuals[k][:, j])
+        f, one = scipy.signal.periodogram(residual, 1.0 / dt_s, nfft=size, detrend=False)
         power = power + one / len(judging)
     seen = (f > 0.0) & (f <= found.regression.weighting.seen_hz)
     panel.plot(f[seen], np.sqrt(power[seen]), color=colour, lw=0.9)

@@ -9,9 +9,9 @@ are the unit only if they contradict one another by more than their blocks allow
 """
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
 from scipy.linalg import pinvh
-from scipy.stats import chi2
 
 from arm.model import Floats
 from fitter.search.standard_errors import sandwich_covariance
@@ -129,4 +129,4 @@ def _disagree(blocks: Floats, motions: Floats, freedom: float) -> bool:
     """Whether motions contradict one another by more than their blocks allow: Cochran's Q of all parameters."""
     scale = 1.0 / np.sqrt(np.maximum(np.diag(blocks), np.finfo(float).tiny))
     apart = np.trace(pinvh(blocks * np.outer(scale, scale)) @ (motions * np.outer(scale, scale)))
-    return bool(chi2.sf(apart * freedom**2 / (freedom + 1.0), freedom * len(blocks)) < _CHANCE)
+    return bool(scipy.stats.chi2.sf(apart * freedom**2 / (freedom + 1.0), freedom * len(blocks)) < _CHANCE)

@@ -1,8 +1,8 @@
 """Linear least squares under linear inequalities (Lawson and Hanson 1974, chapter 23: problem LSI)."""
 
 import numpy as np
+import scipy
 import scipy.linalg
-import scipy.optimize
 from numpy.typing import NDArray
 
 from arm.model import Floats

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 from typing import Literal
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.interpolate import CubicSpline
 
 from arm.kinematics import tip_position
 from arm.model import Arm
@@ -165,7 +165,7 @@ def true_angles(run: RawRun, t: Floats) -> Floats | None:
     for own, values in zip(np.split(clock, holes), np.split(q, holes), strict=True):
         if len(own) > 1:
             inside = (t >= own[0] - half) & (t <= own[-1] + half)
-            true[inside] = CubicSpline(own, values)(t[inside])
+            true[inside] = scipy.interpolate.CubicSpline(own, values)(t[inside])
     return true
 
 

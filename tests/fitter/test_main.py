@@ -51,3 +51,11 @@ def test_blas_is_told_before_numpy_is_loaded() -> None:
     given = {name: value for name, value in os.environ.items() if not name.endswith("_NUM_THREADS")}
     said = subprocess.run([sys.executable, "-c", code], env=given, capture_output=True, text=True, check=True)
     assert said.stdout.split() == ["1", "False"]
+
+
+def test_what_is_slow_to_load_waits_for_its_use() -> None:
+    commands = [name.replace("-", "_") for name in COMMANDS if name != "reproduce"]  # which draws in any case
+    code = f"import importlib, sys; [importlib.import_module('fitter.commands.' + c) for c in {commands}]"
+    code += "; print([m for m in ('matplotlib', 'scipy.signal', 'scipy.stats') if m in sys.modules])"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert said.stdout.strip() == "[]"

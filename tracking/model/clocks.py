@@ -9,8 +9,7 @@ Only differences show: the first sensor's clock is the one that counts.
 from typing import NamedTuple
 
 import numpy as np
-from scipy.interpolate import CubicSpline
-from scipy.signal import savgol_filter
+import scipy
 
 from arm.model import Floats
 from tracking.model.course import Course
@@ -105,10 +104,10 @@ def moved_back(course: Course, readings: Floats, late_s: Floats) -> Course:
     moved = np.empty(readings.shape)
     for channel, values in enumerate(readings.T):
         at = np.clip(t + late[channel], t[there][0], t[there][-1])
-        moved[:, channel] = CubicSpline(t[there], values[there])(at) if np.any(late) else values
+        moved[:, channel] = scipy.interpolate.CubicSpline(t[there], values[there])(at) if np.any(late) else values
     filled = np.column_stack([np.interp(t, t[there], values[there]) for values in moved.T])
     window = max(_DEGREE + 1, round(_WINDOW_S / course.dt)) // 2 * 2 + 1
     if n < window:
         return course._replace(readings=moved, drift=np.zeros_like(readings))
-    drift = savgol_filter(filled, window, _DEGREE, deriv=1, delta=course.dt, axis=0)
+    drift = scipy.signal.savgol_filter(filled, window, _DEGREE, deriv=1, delta=course.dt, axis=0)
     return course._replace(readings=moved, drift=np.ascontiguousarray(drift))

@@ -13,8 +13,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, minimize
 from scipy.special import gammaln
 
 from arm.model import Floats
@@ -262,7 +262,8 @@ def estimated(
     # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
     frequencies = np.exp(np.arange(ringing[0], ringing[1], np.log(2.0))) if near is None else [near.ringing_rad_s]
     begin = min(map(begun, frequencies), key=loss)
-    best = minimize(loss, begin, method="L-BFGS-B", bounds=Bounds(low, high), options={"ftol": tolerance})
+    box = scipy.optimize.Bounds(low, high)
+    best = scipy.optimize.minimize(loss, begin, method="L-BFGS-B", bounds=box, options={"ftol": tolerance})
     return Background.of(units * np.exp(best.x))
 
 

@@ -3,8 +3,8 @@
 from collections.abc import Iterator
 
 import numpy as np
+import scipy
 from numpy.typing import NDArray
-from scipy.optimize import Bounds, minimize
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, SETTLED, TINY
@@ -87,13 +87,13 @@ class Search:
 
         steps = [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]]
         low, high = np.log([h / duration_s, LONGEST_PULSE_S / duration_s])
-        bounds = Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
+        bounds = scipy.optimize.Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
         options = {"initial_simplex": steps, "xatol": NEGLIGIBLE, "fatol": NEGLIGIBLE}
 
         def loss(place: Floats) -> float:
             return -at(place)[0]
 
-        best = minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
+        best = scipy.optimize.minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
         ratio, size = at(best.x)
         start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
         covariance, places = self._errors(start, lasting, form, size)

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
@@ -77,7 +77,7 @@ def _scale(mean: float, most: float) -> float:
     if most > -np.log(ROUNDED) * mean:  # so far out a cut is rounding
         return uncut
     longest = most / NEGLIGIBLE  # as good as flat
-    return float(brentq(missing, uncut, longest)) if missing(longest) > 0.0 else longest
+    return float(scipy.optimize.brentq(missing, uncut, longest)) if missing(longest) > 0.0 else longest
 
 
 def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> list[Pulse]:
