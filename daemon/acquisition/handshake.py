@@ -49,9 +49,8 @@ class Handshake:
         """
         introduction: InfoFrame | None = None
         for chunk in chunks:
-            if chunk.mark is not Mark.DATA:
+            if chunk.mark in (Mark.OPENED, Mark.LOST):
                 self._parser.reset()
-                continue
             self._bytes += len(chunk.data)
             for frame in self._parser.feed(chunk.data):
                 if isinstance(frame, InfoFrame):

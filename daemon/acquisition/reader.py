@@ -140,7 +140,7 @@ class _PortKeeper:
             self._line.tell("ready")
         if self._started:
             self._ring.write(b"", time.monotonic_ns(), Mark.OPENED)
-            self._tty.write(b"START\n")
+            self._ask(self._tty, b"START\n")
             self._line.tell("reopened")
 
     def _appeared(self) -> bool:
@@ -176,7 +176,7 @@ class _PortKeeper:
         if what == "start":
             self._started, self._heard_s = True, time.monotonic()
         if self._tty is not None and what in ("ask", "start"):
-            self._tty.write(b"INFO\n" if what == "ask" else b"START\n")
+            self._ask(self._tty, b"INFO\n" if what == "ask" else b"START\n")
         return what == "stop"
 
     def _serve(self, tty: serial.Serial, readable: bool) -> None:
@@ -188,11 +188,16 @@ class _PortKeeper:
         if self._started and now_s > self._heard_s + self._nudge_s:
             self._nudge_s += self._pace_s
             self._pace_s = min(2.0 * self._pace_s, _LAST_NUDGE_S)
-            tty.write(b"START\n")
+            self._ask(tty, b"START\n")
         if now_s > self._look_s + _LOOK_S:
             self._look_s = now_s
             if os.stat(self._port).st_rdev != os.fstat(tty.fileno()).st_rdev:
                 raise OSError("its name has come to mean another device file")
+
+    def _ask(self, tty: serial.Serial, command: bytes) -> None:
+        """Send a command that is answered by INFO; that stands in the ring before the answer can."""
+        self._ring.write(b"", time.monotonic_ns(), Mark.ASKED)
+        tty.write(command)
 
     def _take(self, tty: serial.Serial) -> int:
         """Move what has come to the ring; return how many bytes that were."""

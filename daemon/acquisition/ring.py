@@ -19,13 +19,15 @@ _WRITTEN, _READ, _DROPPED_BYTES, _DROPPED_CHUNKS, _CLOSED = range(5)
 
 
 class Mark(IntEnum):
-    """What a chunk is: bytes of the device, or what became of the port they came from."""
+    """What a chunk is: bytes of the device, or what became of the port they came from and was written to it."""
 
     DATA = 0
     #: The port was opened again: what follows is of a device that must say what it is.
     OPENED = 1
     #: The port went away; the bytes are a sentence.
     LOST = 2
+    #: The device was sent a command that it answers with an INFO frame, which takes a number of its own.
+    ASKED = 3
 
 
 #: Looked up by their numbers: an enumeration does it more slowly.

@@ -89,10 +89,6 @@ class Pipeline:
         """Whether there is a device, and frames of its samples have been sent."""
         return self._reception.connected and self._frames_sent
 
-    def asked(self) -> None:
-        """Note that the device was asked what it is."""
-        self._reception.asked()
-
     def accept(self, chunks: Sequence[Chunk], dropped: int = 0) -> None:
         """Take what arrived, if anything; send what it completes.
 

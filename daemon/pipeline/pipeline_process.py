@@ -167,7 +167,6 @@ def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publis
         if pipeline.awaits_info and now_s > asked_s + _ASK_S:
             asked_s = now_s
             line.tell("ask")
-            pipeline.asked()
         if not chunks and (closed or (abandoned_s is not None and now_s > abandoned_s)):
             break
         if now_s >= next_health_s:

@@ -113,7 +113,9 @@ class Reception:
                 continue
             self._parse(data)
             data = []
-            if chunk.mark is Mark.LOST:
+            if chunk.mark is Mark.ASKED:
+                self.guard.unanswered += 1
+            elif chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
                 self._losses.why, self.connected = "unplugged", False
@@ -146,10 +148,6 @@ class Reception:
         """Return the gaps since the last time."""
         gaps, self._new_gaps = self._new_gaps, []
         return gaps
-
-    def asked(self) -> None:
-        """Note that the device was asked for its INFO."""
-        self.guard.unanswered += 1
 
     def dropped(self) -> None:
         """Note that the daemon itself had no room for what came."""

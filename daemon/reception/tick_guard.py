@@ -47,7 +47,8 @@ class TickGuard:
     unplugged : bool
         Whether the device was away since the last frame.
     unanswered : int
-        INFO frames that the device was asked for and that did not come: it may have numbered them meanwhile.
+        INFO frames that the device was asked for and that did not come: it may have numbered them meanwhile. A
+        command to start is such a question, too.
     """
 
     def __init__(self, ledger: SampleLedger) -> None:
@@ -160,14 +161,29 @@ class TickGuard:
         missing = ledger.nearest_numbered(frame, (frame.ticks - due) / p)
         off = frame.ticks - due - round(missing * p)
         most = ledger.step.tolerance(missing) * p
-        of_infos = self.most_infos * ledger.sizes_with(frame).smallest * p
-        possible = (off > 0 or (not self._off and -off <= of_infos + most)) and early_s(self._end(frame)) == 0.0
+        possible = self._is_possible(frame, off, most, early_s(self._end(frame)))
         if abs(off) <= most or possible or early_s(due + round(ledger.fewest_numbered(frame) * p)) > 0.0:
             self._pass(frame, enter)
         else:
             numbered = due + round(ledger.numbered(frame) * p)
             self.shift -= frame.ticks - numbered
             self._due(frame, numbered, enter)
+
+    def _is_possible(self, frame: SamplesFrame, off: int, most: float, early_s: float) -> bool:
+        """Say whether a clock can be right that does not agree with the numbers of missing frames.
+
+        If it is ahead, samples were lost before they were numbered, unless the frame came too early for that. If
+        it is behind, INFO frames are among those that are missing: as many as the device was asked for, however
+        late a busy host read what came after them; or any number that the host's clock agrees with.
+        """
+        ledger, p = self._ledger, self._ledger.step.ticks_per_sample
+        if off > 0 or self._off:
+            return off > 0 and early_s <= 0.0
+        sizes, frames = ledger.sizes_with(frame), ledger.frames_before(frame)
+        infos = sizes.without_samples(frames, round((frame.ticks - (ledger.due_ticks or 0)) / p))
+        asked_for = infos is not None and infos <= self.unanswered
+        in_time = early_s == 0.0 and -off <= self.most_infos * sizes.smallest * p + most
+        return in_time or (asked_for and early_s <= 0.0)
 
     def _end(self, frame: SamplesFrame) -> int:
         return frame.ticks + round(len(frame.counts) * self._ledger.step.ticks_per_sample)

@@ -49,6 +49,15 @@ def test_a_device_that_was_away_for_long_is_taken_up_before_it_must_forget(
     assert "frames are dropped" not in said
 
 
+def test_a_silent_device_is_started_again_and_its_answers_are_no_samples(
+    limbd: Limbd, tmp_path: Path, truth: np.ndarray
+) -> None:
+    """It hears every command, numbers the answer and does not send it."""
+    heard, _ = live_run(limbd, tmp_path, "silent@1+2.1", RATE_HZ, 32_000)
+    check(heard, truth)
+    assert [(gap["why"], gap["exact"]) for gap in heard[GAP]] == [("the device was silent", True)]
+
+
 def test_a_device_that_lost_its_power_is_started_again(limbd: Limbd, tmp_path: Path, truth: np.ndarray) -> None:
     heard, _ = live_run(limbd, tmp_path, "restart@3+0.5", RATE_HZ, 40_000)
     (gap,) = heard[GAP]

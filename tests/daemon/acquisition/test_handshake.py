@@ -99,10 +99,13 @@ def test_of_several_infos_the_last_counts_and_samples_before_it_do_not(make_info
     assert found is not None and (found.sequence, found.ticks, found.info.rate_hz) == (6, 900, 16000.0)
 
 
-def test_a_port_that_was_opened_again_begins_a_frame(make_info: MakeInfo) -> None:
+@pytest.mark.parametrize(("mark", "heard"), [(Mark.OPENED, False), (Mark.LOST, False), (Mark.ASKED, True)])
+def test_a_frame_goes_on_after_a_question_and_begins_anew_with_a_port(
+    make_info: MakeInfo, mark: Mark, heard: bool
+) -> None:
     info = encode_info(make_info(), 3, 0)
-    chunks = [Chunk(0, info[:40]), Chunk(1, b"", Mark.OPENED), Chunk(2, info[40:])]
-    assert Handshake(FrameParser(), "/dev/ttyX").hear(chunks) is None
+    chunks = [Chunk(0, info[:40]), Chunk(1, b"", mark), Chunk(2, info[40:])]
+    assert (Handshake(FrameParser(), "/dev/ttyX").hear(chunks) is not None) == heard
 
 
 def test_what_was_wrong_with_a_frame_is_said(make_info: MakeInfo) -> None:

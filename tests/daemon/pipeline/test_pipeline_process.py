@@ -35,7 +35,6 @@ class World:
         self.awaits: Callable[[float], bool] = lambda _: False
         self.streams: Callable[[float], bool] = lambda _: False
         self.stall_s = 0.0
-        self.questions = 0
 
     # the line
     def hear(self, timeout_s: float = 0.0) -> Any:
@@ -62,9 +61,6 @@ class World:
         self.accepted.append((len(chunks), dropped))
         self.now_s += self.stall_s
         self.stall_s = 0.0
-
-    def asked(self) -> None:
-        self.questions += 1
 
     @property
     def awaits_info(self) -> bool:
@@ -132,7 +128,6 @@ def test_a_device_that_came_back_is_asked_once_a_second_what_it_is(world: World)
     world.closes_s, world.awaits = 5.0, lambda at_s: 1.0 <= at_s < 3.5
     stream(world)
     assert world.times("ask") == pytest.approx([1.0, 2.0, 3.0], abs=0.03)
-    assert world.questions == 3
 
 
 def test_every_time_that_samples_begin_to_stream_is_told(world: World) -> None:

@@ -198,7 +198,7 @@ def test_an_answer_that_comes_late_and_is_lost_among_samples_has_none(asked: int
     taker.take(b"pulled", mark=Mark.LOST)
     taker.take(b"", mark=Mark.OPENED)
     for _ in range(asked):
-        taker.reception.asked()
+        taker.take(b"", mark=Mark.ASKED)
     taker.take(encode_info(INFO, 5, 4 * STEP))
     taker.take(*(sample(number, STEP * (number - 2)) for number in (6, 7, 8)))
     taker.take(*(sample(number, STEP * (number - 3)) for number in (12, 13, 14)))

@@ -92,7 +92,8 @@ def test_without_a_jump_frames_are_passed_as_they_are() -> None:
     [
         (5 * P, False, 0.0, 0.0, 5 * P),  # more was lost, and there was time for it
         (5 * P, False, 0.1, 0.0, 0),
-        (5 * P, False, -0.1, 0.0, 0),
+        (5 * P, False, -0.1, -0.1, 5 * P),  # what was lost made the host late, too
+        (-9 * P, True, -0.1, 0.0, 0),  # nobody asked for that INFO
         (-9 * P, False, 0.0, 0.0, 0),
         (-9 * P, True, 0.0, 0.0, -9 * P),  # an INFO is missing
         (-9 * P, True, 0.1, 0.0, 0),
@@ -128,7 +129,7 @@ def test_a_clock_is_believed_between_the_smallest_and_the_largest_of_frames(tick
     guarded = Guarded()
     guarded.take(SamplesFrame(10, 10 * FRAME, np.zeros((4, 3), dtype=np.int16)))
     guarded.take(SamplesFrame(11, 10 * FRAME + 4 * P, np.zeros((N, 3), dtype=np.int16)))
-    guarded.otherwise_s = -0.1
+    guarded.early_s = {12 * FRAME + 4 * P + ticks: 0.1}
     guarded.take(SamplesFrame(13, 11 * FRAME + 4 * P + ticks, np.zeros((N, 3), dtype=np.int16)))
     assert guarded.ledger.lost_samples == lost
     assert guarded.guard.errors == (ticks % P != 0)
@@ -140,6 +141,22 @@ def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: boo
     guarded.guard.unanswered = 1
     guarded.take(frame(13, -infos * FRAME))
     assert guarded.entered == [((13 - infos * shown) * FRAME, None if shown else -infos * FRAME)]
+
+
+@pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
+def test_an_answer_has_no_samples_however_late_the_host_reads(infos: int, shown: bool) -> None:
+    guarded = Guarded()
+    guarded.guard.unanswered, guarded.otherwise_s = 1, -0.2
+    guarded.take(frame(14, -infos * FRAME))
+    assert guarded.ledger.lost_samples == (4 - infos * shown) * N
+
+
+@pytest.mark.parametrize("early_s", [-0.2, 0.0])
+def test_samples_lost_before_they_were_numbered_may_be_read_late(early_s: float) -> None:
+    guarded = Guarded()
+    guarded.otherwise_s = early_s
+    guarded.take(frame(12, 30 * P))
+    assert guarded.ledger.lost_samples == 2 * N + 30 and guarded.guard.errors == 0
 
 
 def test_a_frame_behind_another_than_the_one_in_doubt_settles_that() -> None:
