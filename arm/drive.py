@@ -17,7 +17,8 @@ from typing import NamedTuple
 import numpy as np
 
 from arm.effects.backlash import CROSSING_S
-from arm.effects.effect_table import DAMPING, DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS, EffectTable
+from arm.effects.effect_table import EffectTable
+from arm.effects.joint_numbers import DAMPING, DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS
 from arm.model import Floats
 from limbcal.compiled import compiled, inlined
 

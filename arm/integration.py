@@ -20,7 +20,8 @@ from arm.drive import (
     end_stretch,
 )
 from arm.drive_state import ON
-from arm.effects.effect_table import LIMIT, EffectTable, no_effects
+from arm.effects.effect_table import EffectTable, no_effects
+from arm.effects.joint_numbers import LIMIT
 from arm.mode_end import CUT_AT, begin_bracket, narrow, next_try
 from arm.model import Floats
 from arm.motion_equations import acceleration, equations

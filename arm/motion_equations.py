@@ -3,7 +3,8 @@
 from arm.chain import Chain
 from arm.composite_bodies import mass_rows
 from arm.drive import SHARE, TORQUE, Commands, drive_at, go_its_way
-from arm.effects.effect_table import ROTOR, EffectTable
+from arm.effects.effect_table import EffectTable
+from arm.effects.joint_numbers import ROTOR
 from arm.model import Floats
 from arm.newton_euler import poses, rigid_motion, rigid_torque
 from arm.resistance import resist

@@ -19,7 +19,8 @@ from arm.chain import chain_of, joint_rows
 from arm.control import gains
 from arm.drive import Commands
 from arm.drive_state import KA, DriveState, unchanging
-from arm.effects.effect_table import DELAY, changed, effect_table
+from arm.effects.effect_table import changed, effect_table
+from arm.effects.joint_numbers import DELAY
 from arm.effects.trials import AnyTrial
 from arm.integration import effect_steps
 from arm.kinematics import tip_position

@@ -3,7 +3,8 @@
 import numpy as np
 
 from arm.drive import BEFORE, LAGGED0, PLAY0, TWIST0, Commands, Way
-from arm.effects.effect_table import DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS, EffectTable
+from arm.effects.effect_table import EffectTable
+from arm.effects.joint_numbers import DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS
 from arm.effects.resisting_torque import resisting_torque
 from arm.effects.trials import AnyTrial
 from arm.model import Arm, Floats

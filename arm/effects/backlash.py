@@ -6,6 +6,7 @@ controller asks for nothing.
 """
 
 from arm.effects.effect import EffectKind, Parameter
+from arm.effects.joint_numbers import GAP
 
 #: Time constant with which a motor that nothing holds back crosses the gap.
 CROSSING_S = 0.002
@@ -16,4 +17,5 @@ EFFECT = EffectKind(
     place="transmission",
     parameters=(Parameter("gap_rad", "rad", 0.0, 1.0, neutral=0.0),),
     taken_for=("joint_elasticity", "stribeck"),
+    simulated={GAP: "gap_rad"},
 )

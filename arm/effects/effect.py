@@ -1,7 +1,7 @@
 """What every effect of the catalogue says of itself."""
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from numbers import Real
 from typing import Literal
 
@@ -16,6 +16,8 @@ Place = Literal["joint", "arm", "drive", "transmission", "sensor", "marker"]
 Values = Mapping[str, object]
 #: Returns the arm that has an effect, in other numbers of the arm itself.
 Change = Callable[[Arm, Effect], Arm]
+#: Returns by how much a marker has slid on its link, (n_sample, 3) [m], at joint angles (n_sample, n_joint).
+Slid = Callable[[Effect, Floats], Floats]
 #: Returns what a sensor has in place of ``a`` (n_sample, 3) [m/s^2] at the run's times ``t`` (n_sample,) [s], with
 #: its axes (n_sample, 3, 3) as columns in the base frame: ``reading(a, t, axes, parameters)``.
 Reading = Callable[[Floats, Floats, Floats, Values], Floats]
@@ -104,10 +106,21 @@ class EffectKind:
     torque : callable, optional
         For those that act at a joint: a C function of `arm.effects.joint_torque`, the torque with which the joint
         resists, of those of its parameters that are single numbers.
+    simulated : mapping of int to str
+        For those that a simulation knows as numbers of a joint: where in `arm.effects.joint_numbers`, and which
+        parameter that is.
+    tip_mass : str
+        The parameter that is a mass at the tip; empty where none is.
     change : callable, optional
         For those that are other numbers of the arm, of its joints or its sensors: returns the arm that has it.
+    absolute : bool
+        What it changes, it states: two of them do not add up.
     marked : callable, optional
         For those that are other markers of the arm: returns the arm that has it in a trial in which it acts.
+    slid : callable, optional
+        For those by which a marker moves on its link: returns by how much, (n_sample, 3) [m], at some angles.
+    late : str
+        The parameter that is a delay of a sensor's readings; empty where none is.
     force, reading, converted : callable, optional
         For those that change what sensors read: what acts on the specific force that a sensor feels, on what it
         makes of it, and on that once it has its noise.
@@ -127,8 +140,13 @@ class EffectKind:
     stated_at: str = ""
     exactly: int | None = None
     torque: Callable[..., float] | None = None
+    simulated: Mapping[int, str] = field(default_factory=dict, compare=False)
+    tip_mass: str = ""
     change: Change | None = None
+    absolute: bool = False
     marked: Change | None = None
+    slid: Slid | None = None
+    late: str = ""
     force: Reading | None = None
     reading: Reading | None = None
     converted: Reading | None = None

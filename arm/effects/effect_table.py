@@ -8,24 +8,13 @@ from numpy.typing import NDArray
 from arm.effects.catalogue import catalogue
 from arm.effects.check import effect_mistakes
 from arm.effects.effect import number
+from arm.effects.joint_numbers import DAMPING, DELAY, FACTOR, GAP, LIMIT, N_NUMBER, STIFFNESS
 from arm.effects.joint_torque import COULOMB, DIRECTION, MOST_PARAMETERS, N_STATE, TAU, VISCOUS, Q, T, torque_along
-from arm.effects.payload import loaded_from
-from arm.effects.trials import AnyTrial, acts_in
+from arm.effects.trials import AnyTrial, acts_from, acts_in
 from arm.model import Arm, Floats
 from limbcal.compiled import compiled
 from limbcal.errors import ConfigError
 
-#: What `EffectTable.numbers` has of each joint.
-DELAY, LAG, FACTOR, LIMIT, GAP, STIFFNESS, DAMPING, ROTOR = range(8)
-_NUMBERS = {
-    "actuator_delay": {DELAY: "delay_s"},
-    "actuator_lag": {LAG: "time_constant_s"},
-    "gain_error": {FACTOR: "factor"},
-    "torque_saturation": {LIMIT: "limit_N_m"},
-    "backlash": {GAP: "gap_rad"},
-    "joint_elasticity": {STIFFNESS: "stiffness_N_m_rad", DAMPING: "damping_N_m_s"},
-    "rotor_inertia": {ROTOR: "inertia_kg_m2"},
-}
 #: States at which an effect is asked whether it depends on the direction: two instants, two angles, two torques.
 _PROBED = [(t, q, tau) for t in (1.0, 7.3) for q in (0.3, -1.1) for tau in (1.7, -0.6)]
 
@@ -41,7 +30,7 @@ class EffectTable(NamedTuple):
     directed : (n_joint,) bool
         Whether one of them depends on the direction in which the joint moves.
     numbers : (8, n_joint)
-        Delay [s], lag [s], factor, limit [N m], gap [rad], stiffness, damping and rotor inertia.
+        Of each joint, as `arm.effects.joint_numbers` has them.
     driven : bool
         Whether something lies between the controller and the joint.
     geared : bool
@@ -63,7 +52,7 @@ class EffectTable(NamedTuple):
 @compiled
 def no_effects(n: int) -> EffectTable:
     """Return the table of an arm with ``n`` joints and no effects."""
-    numbers = np.zeros((8, n))
+    numbers = np.zeros((N_NUMBER, n))
     numbers[FACTOR], numbers[LIMIT], numbers[STIFFNESS] = 1.0, np.inf, np.inf
     return EffectTable(
         np.empty(0, dtype=np.int64),
@@ -124,11 +113,10 @@ def effect_table(arm: Arm, trial: AnyTrial = 1) -> EffectTable:
                 joint.append(i)
                 address.append(kind.torque.address)  # type: ignore[attr-defined]
                 parameters.append(row)
-        elif kind.name in _NUMBERS:
-            for place, name in _NUMBERS[kind.name].items():
-                numbers[place, [j - 1 for j in effect.joints]] = number(values, name)
-        elif kind.name == "payload":
-            payload.append((loaded_from(values, trial), number(values, "mass_kg")))
+        for place, name in kind.simulated.items():
+            numbers[place, [j - 1 for j in effect.joints]] = number(values, name)
+        if kind.tip_mass:
+            payload.append((acts_from(values, trial), number(values, kind.tip_mass)))
     neutral = numbers == no_effects(arm.n_joint).numbers
     return EffectTable(
         np.array(joint, dtype=np.int64),

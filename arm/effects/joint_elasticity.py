@@ -6,6 +6,7 @@ The angle that is measured and controlled is the motor's; the motor has no inert
 import math
 
 from arm.effects.effect import EffectKind, Parameter
+from arm.effects.joint_numbers import DAMPING, STIFFNESS
 
 EFFECT = EffectKind(
     name="joint_elasticity",
@@ -16,4 +17,5 @@ EFFECT = EffectKind(
         Parameter("damping_N_m_s", "N m s/rad", 0.0, 1e4),
     ),
     taken_for=("actuator_delay", "actuator_lag", "backlash", "viscous"),
+    simulated={STIFFNESS: "stiffness_N_m_rad", DAMPING: "damping_N_m_s"},
 )

@@ -5,7 +5,6 @@ from dataclasses import replace
 
 from arm.effects.catalogue import catalogue
 from arm.effects.check import effect_mistakes
-from arm.effects.soft_tissue import slid
 from arm.effects.trials import acts_in
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError
@@ -40,7 +39,8 @@ def slid_markers(arm: Arm, q: Floats) -> Mapping[str, Floats]:
     """
     moved: dict[str, Floats] = {}
     for effect in arm.effects:
-        if effect.name == "soft_tissue":
+        slid = catalogue()[effect.name].slid
+        if slid is not None:
             for name in effect.markers:
                 moved[name] = moved.get(name, 0.0) + slid(effect, q)
     return moved

@@ -9,9 +9,10 @@ from arm.chain import motion_rows
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import number
 from arm.effects.effect_table import changed
+from arm.effects.joint_numbers import ROTOR
 from arm.effects.joint_torque import COULOMB, DIRECTION, DQ, N_STATE, TAU, VISCOUS, Q, T, torque_along
-from arm.effects.payload import loaded_from, with_load
-from arm.effects.trials import AnyTrial, acts_in
+from arm.effects.payload import with_load
+from arm.effects.trials import AnyTrial, acts_from, acts_in
 from arm.model import Arm, Floats
 from arm.moving_base import BaseState, carried_inverse_dynamics
 from arm.newton_euler import inverse_dynamics
@@ -78,10 +79,11 @@ def resisting_torque(
                 states[:, VISCOUS], states[:, COULOMB] = friction.viscous_N_m_s, friction.coulomb_N_m
                 numbers = np.array([number(values, parameter.name) for parameter in kind.numbers])
                 total[:, i] += torque_along(kind, numbers, states)
-            elif kind.name == "rotor_inertia":
-                total[:, i] += number(values, "inertia_kg_m2") * ddq[:, i]
-        if kind.name == "payload":
-            total += _load(arm, q, dq, ddq, number(values, "mass_kg"), t >= loaded_from(values, trial), base)
+            elif ROTOR in kind.simulated:
+                total[:, i] += number(values, kind.simulated[ROTOR]) * ddq[:, i]
+        if kind.tip_mass:
+            there = t >= acts_from(values, trial)
+            total += _load(arm, q, dq, ddq, number(values, kind.tip_mass), there, base)
     return total
 
 

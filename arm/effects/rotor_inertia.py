@@ -1,6 +1,7 @@
 """A geared rotor that turns with the joint: M[i, i] grows by its inertia, and nothing else changes."""
 
 from arm.effects.effect import EffectKind, Parameter
+from arm.effects.joint_numbers import ROTOR
 
 EFFECT = EffectKind(
     name="rotor_inertia",
@@ -9,4 +10,5 @@ EFFECT = EffectKind(
     parameters=(Parameter("inertia_kg_m2", "kg m^2", 0.0, 1e3, linear=True, neutral=0.0),),
     taken_for=("gain_error", "payload"),
     usual=True,
+    simulated={ROTOR: "inertia_kg_m2"},
 )

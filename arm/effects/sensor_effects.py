@@ -33,8 +33,8 @@ class SensorEffects:
         for effect in arm.effects:
             kind = catalogue()[effect.name]
             on = list(range(len(names))) if kind.whole else [names.index(name) for name in effect.sensors]
-            if kind.name == "time_skew":
-                delay = number(effect.parameters, "delay_s") * rate_hz
+            if kind.late:
+                delay = number(effect.parameters, kind.late) * rate_hz
                 self._late += [(s, Skew(delay)) for s in on]
             elif kind.place == "sensor":
                 self._acting.append((kind, effect, on))

@@ -20,4 +20,5 @@ EFFECT = EffectKind(
     parameters=(Parameter("corner_hz", "Hz", 0.0, 1e3, neutral=0.0),),
     taken_for=("sensor_bias",),
     change=_change,
+    absolute=True,
 )

@@ -31,4 +31,5 @@ EFFECT = EffectKind(
         TRIALS,
     ),
     taken_for=("marker_moved",),
+    slid=slid,
 )

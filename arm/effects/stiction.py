@@ -20,4 +20,5 @@ EFFECT = EffectKind(
     parameters=(Parameter("static_N_m", "N m", 0.0, 1e3, neutral=0.0),),
     taken_for=("coulomb", "stribeck"),
     change=_change,
+    absolute=True,
 )

@@ -17,6 +17,7 @@ EFFECT = EffectKind(
     place="sensor",
     parameters=(Parameter("delay_s", "s", 0.0, 1.0, neutral=0.0),),
     taken_for=("actuator_delay",),
+    late="delay_s",
 )
 
 

@@ -3,6 +3,7 @@
 import math
 
 from arm.effects.effect import EffectKind, Parameter
+from arm.effects.joint_numbers import LIMIT
 
 EFFECT = EffectKind(
     name="torque_saturation",
@@ -10,4 +11,5 @@ EFFECT = EffectKind(
     place="drive",
     parameters=(Parameter("limit_N_m", "N m", 0.0, 1e6, neutral=math.inf),),
     taken_for=("gain_error",),
+    simulated={LIMIT: "limit_N_m"},
 )

@@ -1,14 +1,21 @@
-"""In which trials of a run an effect acts: in all, or in those that it lists, by number or by name."""
+"""In which trials of a run an effect acts, and from when on.
 
+With ``trials`` it acts in those, by number or by name, and in no others; with ``since_s`` from that time on; with
+both, from that time of the first of these trials on, and in the others all along; with neither, always.
+"""
+
+import math
 from collections.abc import Sequence
 from typing import NamedTuple, TypeAlias
 
 import numpy as np
 
-from arm.effects.effect import Parameter, Values
+from arm.effects.effect import LATEST_S, Parameter, Values, number
 
 #: What an effect lists its trials by.
 TRIALS = Parameter("trials", "1", 1.0, 1e6, optional=True, several=True)
+#: Where it has one: the time from which on it acts.
+SINCE = Parameter("since_s", "s", -LATEST_S, LATEST_S, optional=True)
 
 
 class TrialId(NamedTuple):
@@ -52,3 +59,12 @@ def acts_in(values: Values, trial: AnyTrial) -> bool:
     """Say whether an effect of these parameters acts in a trial."""
     listed = trials_of(values)
     return listed is None or any(is_trial(entry, trial) for entry in listed)
+
+
+def acts_from(values: Values, trial: AnyTrial) -> float:
+    """Return the time from which an effect acts in a trial [s], on its clock; infinite where it does not."""
+    if not acts_in(values, trial):
+        return math.inf
+    listed = trials_of(values)
+    begins = not listed or is_trial(listed[0], trial)
+    return number(values, SINCE.name) if begins and SINCE.name in values else -math.inf

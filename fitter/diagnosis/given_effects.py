@@ -16,7 +16,7 @@ from arm.effects.catalogue import catalogue
 from arm.effects.effect import EffectKind, number
 from arm.effects.effect_table import changed
 from arm.effects.joint_torque import COULOMB
-from arm.effects.payload import loaded_from
+from arm.effects.resisting_torque import resisting_torque
 from arm.effects.trials import acts_in
 from arm.model import Arm, Effect, Floats
 from fitter.diagnosis.arm_hypotheses import FrictionDrift, drag_column
@@ -24,12 +24,8 @@ from fitter.diagnosis.hypotheses import made
 from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on
 from fitter.diagnosis.model import ActionOrder, Hypothesis, Model, is_one
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
-from fitter.diagnosis.payload import tip_mass_column
 from fitter.diagnosis.torque.pulse import pulse_means
 from fitter.diagnosis.trial_clocks import on_run, on_trials
-
-#: It is found at rest, beside all equations (`static_friction`).
-_STICTION = "stiction"
 
 
 class GivenTorque(Hypothesis):
@@ -65,17 +61,18 @@ class GivenResistance(GivenTorque):
         return torque
 
 
-class GivenRotor(GivenTorque):
-    """A rotor of a given inertia."""
+class GivenMass(GivenTorque):
+    """A load or a rotor: on the clock of its trial."""
 
-    def __init__(self, kind: EffectKind, joint: int, inertia: float) -> None:
-        super().__init__(kind, (joint,))
-        self._inertia = inertia
+    def __init__(self, kind: EffectKind, effect: Effect) -> None:
+        super().__init__(kind, tuple(joint - 1 for joint in effect.joints))
+        self._effect = effect
 
     def torque_of(self, hypothetical: HypotheticalMotion) -> Floats:
-        """Return what accelerates it, (n_sample, n_joint)."""
-        own = np.arange(hypothetical.q.shape[1]) == self.joints[0]
-        return np.asarray(self._inertia * own * hypothetical.ddq, dtype=np.float64)
+        """Return what moves it, (n_sample, n_joint)."""
+        motion, alone = hypothetical.motion, replace(hypothetical.arm, effects=(self._effect,))
+        moved = hypothetical.q, hypothetical.dq, hypothetical.ddq
+        return resisting_torque(alone, *moved, hypothetical.u, motion.t - motion.ahead_s, motion.identity)
 
 
 class GivenDrag(GivenTorque):
@@ -91,21 +88,18 @@ class GivenDrag(GivenTorque):
 
 
 class GivenEvent(GivenTorque):
-    """A push or a load: on the clock of its trial."""
+    """A push: on the clock of its trial."""
 
     def __init__(self, kind: EffectKind, effect: Effect) -> None:
         super().__init__(kind, tuple(joint - 1 for joint in effect.joints))
         self._values = effect.parameters
 
     def torque_of(self, hypothetical: HypotheticalMotion) -> Floats:
-        """Return the torque of the load, or what the push spares the drive, (n_sample, n_joint)."""
+        """Return what the push spares the drive, with its sign, (n_sample, n_joint)."""
         motion, values = hypothetical.motion, self._values
         torque, t = np.zeros_like(hypothetical.q), motion.t - motion.ahead_s
         if not acts_in(values, motion.identity):
             return torque
-        if self.kind.name == "payload":
-            on = t >= loaded_from(values, motion.identity)
-            return number(values, "mass_kg") * on[:, None] * tip_mass_column(hypothetical)[..., 0]
         start_s, duration_s, size = (number(values, one.name) for one in self.kind.numbers)
         pushed = size * pulse_means(t, motion.dt_s, start_s, duration_s, "rectangular")
         torque[:, self.joints] = -pushed[:, None]
@@ -137,12 +131,12 @@ def _given(effect: Effect) -> list[tuple[Hypothesis, Floats]]:
     kind, joints = catalogue()[effect.name], [joint - 1 for joint in effect.joints]
     if kind.base or kind.change is not None or kind.place in ("sensor", "marker"):
         return []
-    if kind.event or kind.name == "payload":
+    if kind.event:
         return [(GivenEvent(kind, effect), np.zeros(0))]
+    if kind.torque is None and not is_one(kind):
+        return [(GivenMass(kind, effect), np.zeros(0))]
     values = {parameter.name: number(effect.parameters, parameter.name) for parameter in kind.numbers}
     numbers = np.array(list(values.values()))
-    if kind.name == "rotor_inertia":
-        return [(GivenRotor(kind, joint, numbers[0]), np.zeros(0)) for joint in joints]
     if is_one(kind):
         return [(one := made(kind, (joint,)), one.psi_of(numbers)) for joint in joints]
     if depends_on(kind, COULOMB):
@@ -207,7 +201,7 @@ def _beside(effects: Sequence[Effect], found: Sequence[Effect]) -> list[Effect]:
         gone = {
             joint
             for one in found
-            if one.name == effect.name and (is_one(catalogue()[one.name]) or one.name == _STICTION)
+            if one.name == effect.name and (is_one(kind := catalogue()[one.name]) or kind.absolute)
             for joint in one.joints
         }
         left = tuple(joint for joint in effect.joints if joint not in gone)

@@ -16,7 +16,8 @@ import numpy as np
 import scipy.linalg
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
-from arm.effects.effect_table import ROTOR, changed, effect_table
+from arm.effects.effect_table import changed, effect_table
+from arm.effects.joint_numbers import ROTOR
 from arm.model import Arm, Floats
 from arm.newton_euler import mass_matrix
 from arm.simulation import simulate

@@ -11,8 +11,7 @@ from dataclasses import replace
 
 from arm.effects.catalogue import catalogue
 from arm.effects.effect import number
-from arm.effects.payload import loaded_from
-from arm.effects.trials import acts_in
+from arm.effects.trials import SINCE, TRIALS, acts_from, acts_in
 from arm.model import Effect
 from fitter.diagnosis.motion import Motion
 
@@ -64,15 +63,15 @@ def on_run(effects: Sequence[Effect], motions: Sequence[Motion]) -> list[Effect]
             for motion in acting:
                 start = number(values, "start_s") + motion.ahead_s
                 found.append(replace(effect, parameters={**values, "start_s": start, "trials": [motion.number]}))
-        elif effect.name == "payload":
-            mass = {"mass_kg": values["mass_kg"]}
-            since = {motion.number: loaded_from(values, motion.identity) + motion.ahead_s for motion in acting}
+        elif TRIALS in catalogue()[effect.name].parameters:
+            own = {name: value for name, value in values.items() if name not in (TRIALS.name, SINCE.name)}
+            since = {motion.number: acts_from(values, motion.identity) + motion.ahead_s for motion in acting}
             whole = [trial for trial, at in since.items() if at == -math.inf]
             if whole:
-                found.append(replace(effect, parameters={**mass, "trials": whole}))
+                found.append(replace(effect, parameters={**own, TRIALS.name: whole}))
             for trial, at in since.items():
                 if math.isfinite(at):
-                    found.append(replace(effect, parameters={**mass, "trials": [trial], "since_s": at}))
+                    found.append(replace(effect, parameters={**own, TRIALS.name: [trial], SINCE.name: at}))
         else:
             found.append(effect)
     return found

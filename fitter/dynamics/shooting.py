@@ -10,7 +10,8 @@ from arm.chain import Chain, chain_of
 from arm.control import gains
 from arm.drive import Commands
 from arm.drive_state import KA, unchanging
-from arm.effects.effect_table import DELAY, EffectTable, no_effects
+from arm.effects.effect_table import EffectTable, no_effects
+from arm.effects.joint_numbers import DELAY
 from arm.integration import effect_steps
 from arm.model import Arm, Floats
 from arm.regressor import standard_parameters

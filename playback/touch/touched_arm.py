@@ -7,7 +7,8 @@ import numpy as np
 from arm.chain import chain_of
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
-from arm.effects.effect_table import DELAY, changed, effect_table
+from arm.effects.effect_table import changed, effect_table
+from arm.effects.joint_numbers import DELAY
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque, mass_matrix, poses
 from arm.outer_wrench import point_motion

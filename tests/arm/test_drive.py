@@ -33,7 +33,8 @@ from arm.drive import (
     through_play,
     transmitted,
 )
-from arm.effects.effect_table import DAMPING, DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS, no_effects
+from arm.effects.effect_table import no_effects
+from arm.effects.joint_numbers import DAMPING, DELAY, FACTOR, GAP, LAG, LIMIT, STIFFNESS
 from arm.room import make_room
 from arm.simulation import simulate
 

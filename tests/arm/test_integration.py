@@ -8,7 +8,8 @@ import pytest
 from arm.chain import chain_of
 from arm.drive import Commands
 from arm.drive_state import unchanging
-from arm.effects.effect_table import LIMIT, no_effects
+from arm.effects.effect_table import no_effects
+from arm.effects.joint_numbers import LIMIT
 from arm.integration import engage, runge_kutta_steps
 from arm.model import Arm, Friction, Joint, Link
 from arm.newton_euler import inverse_dynamics

@@ -5,19 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.effects.effect_table import (
-    DAMPING,
-    DELAY,
-    FACTOR,
-    GAP,
-    LAG,
-    LIMIT,
-    ROTOR,
-    STIFFNESS,
-    changed,
-    effect_table,
-    no_effects,
-)
+from arm.effects.effect_table import changed, effect_table, no_effects
+from arm.effects.joint_numbers import DAMPING, DELAY, FACTOR, GAP, LAG, LIMIT, ROTOR, STIFFNESS
 from arm.effects.joint_torque import torque_at
 from arm.model import Effect
 from arm.simulation import simulate

@@ -1,14 +1,12 @@
 """A mass at the tip: a point at the far end of the last link, in some trials or from some time on."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from arm.bench import Bench, motions
 from arm.effects.effect import LATEST_S
-from arm.effects.payload import loaded_from, with_load
+from arm.effects.payload import with_load
 from arm.kinematics import tip_position
 from arm.model import Link
 from arm.newton_euler import bias_torque
@@ -24,21 +22,6 @@ def with_point(arm, mass):
     inertia = np.array(old.inertia_kg_m2) + mass * last.a_m**2 * np.array([0.0, 1.0, 1.0, 0.0, 0.0, 0.0])
     link = Link(old.mass_kg + mass, tuple(com.tolist()), tuple(inertia.tolist()))
     return replace(arm, joints=(*arm.joints[:-1], replace(last, link=link)))
-
-
-@pytest.mark.parametrize(
-    ("values", "trial", "since"),
-    [
-        ({}, 1, -math.inf),
-        ({"since_s": 3.5}, 7, 3.5),
-        ({"trials": [2, 4]}, 4, -math.inf),
-        ({"trials": np.array([2, 4])}, 3, math.inf),
-        ({"trials": (2,), "since_s": 3.5}, 2, 3.5),
-        ({"trials": [2], "since_s": 3.5}, 1, math.inf),
-    ],
-)
-def test_it_is_there_from_some_time_in_its_trials(values, trial, since):
-    assert loaded_from(values, trial) == since
 
 
 def test_its_weight_pulls_at_the_tip(arm):
