@@ -1,6 +1,7 @@
 """Whether frames are of the device that a run is about: one that has come back must first say what it is."""
 
 from collections import deque
+from typing import NamedTuple
 
 from daemon.acquisition.handshake import same_device
 from protocol.device_info import DeviceInfo
@@ -8,6 +9,13 @@ from protocol.serial_frame import SamplesFrame
 
 #: Frames that wait for the INFO of a device that has come back: some seconds of them.
 _WAITING = 8192
+
+
+class Waiting(NamedTuple):
+    """A frame that waits, and the host's monotonic clock when it came [ns]."""
+
+    frame: SamplesFrame
+    arrival_ns: int
 
 
 class DeviceIdentity:
@@ -33,18 +41,18 @@ class DeviceIdentity:
         self.strangers = 0
         self.stranger: str | None = None
         self._info = info
-        self._waiting: deque[SamplesFrame] = deque(maxlen=_WAITING)
+        self._waiting: deque[Waiting] = deque(maxlen=_WAITING)
 
     def has(self, n_channel: int) -> bool:
         """Say whether frames with this number of channels are surely of this device."""
         return self.known and n_channel == len(self._info.channels)
 
-    def holds_back(self, frame: SamplesFrame) -> bool:
-        """Say whether a frame is not to be used, now or ever."""
+    def holds_back(self, frame: SamplesFrame, arrival_ns: int) -> bool:
+        """Say whether a frame is not to be used, now or ever; ``arrival_ns`` is when it came."""
         if self.stranger is not None:
             self.strangers += 1
         elif not self.known:
-            self._waiting.append(frame)
+            self._waiting.append(Waiting(frame, arrival_ns))
         elif not self.has(frame.counts.shape[1]):
             self.strangers += 1
         else:
@@ -60,7 +68,7 @@ class DeviceIdentity:
         """Note that a device is there again."""
         self.known, self.stranger = False, None
 
-    def meet(self, info: DeviceInfo) -> list[SamplesFrame]:
+    def meet(self, info: DeviceInfo) -> list[Waiting]:
         """Take what the device that is there says of itself; return the frames that waited for it."""
         waiting = list(self._waiting)
         self._waiting.clear()

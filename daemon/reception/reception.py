@@ -2,6 +2,8 @@
 
 import time
 from collections.abc import Callable, Sequence
+from itertools import groupby
+from operator import attrgetter
 
 from daemon.acquisition.ring import Chunk, Mark
 from daemon.clock.device_clock import Clock, DeviceClock
@@ -191,7 +193,7 @@ class Reception:
         if isinstance(frame, InfoFrame):
             self._settle(arrival_ns)
             self._meet(self.guard.info(frame), arrival_ns)
-        elif self.identity.holds_back(frame):
+        elif self.identity.holds_back(frame, arrival_ns):
             return
         elif self._doubted or self.ledger.doubts(frame):
             self._doubted.put(frame)
@@ -241,7 +243,9 @@ class Reception:
         self.guard.unanswered = max(0, self.guard.unanswered - 1)
         waiting = self.identity.meet(frame.info)
         if self.identity.known:
-            self._pass_on(waiting, arrival_ns)
+            for came_ns, together in groupby(waiting, key=attrgetter("arrival_ns")):  # each by its own arrival
+                self._pass_on([one.frame for one in together], came_ns)
+            self._settle(arrival_ns)  # what waited comes before the INFO that it waited for
             self.ledger.pass_over(frame.sequence, frame.ticks)
 
     def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 from operator import sub
 
-from daemon.clock.tick_step import TickStep
+from daemon.clock.tick_step import INFO_OFF, TickStep
 from daemon.reception.frame_sizes import FrameSizes
 from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesFrame, SamplesRun
 
@@ -63,6 +63,8 @@ class SampleLedger:
         Gaps by cause.
     step : TickStep
         The ticks of a sample.
+    numbers_anew : bool
+        Whether an INFO since the last samples has a number that those between cannot have led to.
     """
 
     def __init__(self, rate_hz: float, tick_hz: float) -> None:
@@ -74,7 +76,8 @@ class SampleLedger:
         self._sequence: int | None = None
         self._skipped = 0
         self._announced_ticks = 0
-        self._announced_anew = False
+        self.numbers_anew = False
+        self._announced_anew = self._restarted = False
         self._ticks: int | None = None
         self._frame_samples = 0
         self._sizes = FrameSizes()
@@ -102,6 +105,7 @@ class SampleLedger:
         self._announced_anew = self._went_back(ticks)
         if skipped is None or skipped > HALF_WAY:  # it begins to count, or anew
             self._skipped, self._announced_ticks = 0, ticks
+            self.numbers_anew = not self._may_have_numbered(HALF_WAY, ticks)
         else:
             self._skipped += skipped
         self._sequence = sequence
@@ -151,9 +155,13 @@ class SampleLedger:
 
     def begun_anew(self, frame: SamplesFrame) -> bool:
         """Say whether a device was restarted before a frame, by its INFO or by the frame's number."""
-        if self._sequence is None or not self._went_back(frame.ticks):
-            return False
+        if self._sequence is None or self._restarted or not self._went_back(frame.ticks):
+            return self._restarted
         return self._announced_anew or (frame.sequence - self._sequence - 1) % SEQUENCES > HALF_WAY
+
+    def restarted(self) -> None:
+        """Note that a device which numbers anew has begun its clock anew, too, although that shows more."""
+        self._restarted = True
 
     def in_sequence(self, frame: SamplesFrame) -> bool:
         """Say whether no frame is missing before one, by number."""
@@ -186,11 +194,17 @@ class SampleLedger:
     def _went_back(self, ticks: int) -> bool:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)
 
+    def _may_have_numbered(self, frames: int, ticks: int) -> bool:
+        """Say whether a device can have numbered so many frames from the last one until its clock showed this."""
+        if self._ticks is None:
+            return True
+        return self.step.late(ticks - self._ticks, 0) >= frames * self._sizes.smallest / (1.0 + INFO_OFF)
+
     def _step_to(self, frame: SamplesFrame) -> int | None:
         """Return the ticks to a frame that follows the last one; None for any other."""
-        if self._ticks is None or not self._in_sequence(frame.sequence) or self._went_back(frame.ticks):
+        if self._ticks is None or self._restarted or not self._in_sequence(frame.sequence):
             return None
-        return frame.ticks - self._ticks
+        return None if self._went_back(frame.ticks) else frame.ticks - self._ticks
 
     def _in_sequence(self, sequence: int) -> bool:
         return not self._skipped and self._sequence is not None and sequence == (self._sequence + 1) % SEQUENCES
@@ -207,7 +221,8 @@ class SampleLedger:
     def _missing(self, frame: SamplesFrame) -> int | None:
         assert self._ticks is not None
         assert self._sequence is not None
-        if (frame.sequence - self._sequence - 1) % SEQUENCES > HALF_WAY or self._went_back(frame.ticks):
+        number = (frame.sequence - self._sequence - 1) % SEQUENCES
+        if self._restarted or number > HALF_WAY or self._went_back(frame.ticks):
             return None
         late = self.step.late(frame.ticks - self._ticks, self._frame_samples)
         by_number = self.nearest_numbered(frame, late)
@@ -229,7 +244,7 @@ class SampleLedger:
         n = len(frame.counts)
         self._sizes = self.sizes_with(frame)
         self._sequence, self._skipped, self._ticks, self._frame_samples = frame.sequence, 0, frame.ticks, n
-        self._announced_anew = False
+        self.numbers_anew = self._announced_anew = self._restarted = False
         self.samples += n
         self.lost_samples += lost
 

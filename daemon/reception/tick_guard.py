@@ -105,6 +105,8 @@ class TickGuard:
                 return
             self.settle(early_s, enter)
             due = self._ledger.due_ticks
+        if self._ledger.numbers_anew and early_s(self._end(frame)) != 0.0:  # that is not the clock of before
+            self._ledger.restarted()
         if due is None or self._ledger.begun_anew(frame):
             self._pass(frame, enter)
         elif self._ledger.in_sequence(frame):
@@ -173,15 +175,16 @@ class TickGuard:
         """Say whether a clock can be right that does not agree with the numbers of missing frames.
 
         If it is ahead, samples were lost before they were numbered, unless the frame came too early for that. If
-        it is behind, INFO frames are among those that are missing: as many as the device was asked for, however
-        late a busy host read what came after them; or any number that the host's clock agrees with.
+        it is behind by whole frames, INFO frames may be among those that are missing: as many as the device was
+        asked for, or as somebody else asked for while it was away, however late a busy host read what came after
+        them. That all of them were such, as a clock that stood still would have it, the host's clock must confirm.
         """
         ledger, p = self._ledger, self._ledger.step.ticks_per_sample
         if off > 0 or self._off:
             return off > 0 and early_s <= 0.0
         sizes, frames = ledger.sizes_with(frame), ledger.frames_before(frame)
         infos = sizes.without_samples(frames, round((frame.ticks - (ledger.due_ticks or 0)) / p))
-        asked_for = infos is not None and infos <= self.unanswered
+        asked_for = infos is not None and (infos <= self.unanswered or (self.unplugged and infos < frames))
         in_time = early_s == 0.0 and -off <= self.most_infos * sizes.smallest * p + most
         return in_time or (asked_for and early_s <= 0.0)
 

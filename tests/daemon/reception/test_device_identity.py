@@ -23,8 +23,8 @@ def frame(number: int, n_channel: int) -> SamplesFrame:
 
 def test_frames_of_the_right_width_are_used_at_once(info: DeviceInfo) -> None:
     identity, width = DeviceIdentity(info), len(info.channels)
-    assert not identity.holds_back(frame(0, width))
-    assert identity.holds_back(frame(1, width - 1))
+    assert not identity.holds_back(frame(0, width), 7)
+    assert identity.holds_back(frame(1, width - 1), 7)
     assert (identity.known, identity.strangers, identity.stranger) == (True, 1, None)
 
 
@@ -32,8 +32,8 @@ def test_frames_wait_until_the_same_device_says_that_it_is(info: DeviceInfo) -> 
     identity, width = DeviceIdentity(info), len(info.channels)
     identity.came_back()
     waiting = [frame(k, width) for k in range(3)]
-    assert all(identity.holds_back(one) for one in waiting) and not identity.has(width)
-    assert identity.meet(info) == waiting
+    assert all(identity.holds_back(one, 7) for one in waiting) and not identity.has(width)
+    assert identity.meet(info) == [(one, 7) for one in waiting]
     assert identity.has(width) and identity.strangers == 0
     assert identity.meet(info) == []
 
@@ -41,16 +41,16 @@ def test_frames_wait_until_the_same_device_says_that_it_is(info: DeviceInfo) -> 
 def test_all_of_another_device_is_counted_with_its_info(info: DeviceInfo) -> None:
     identity, width = DeviceIdentity(info), len(info.channels)
     identity.came_back()
-    assert identity.holds_back(frame(0, width))
+    assert identity.holds_back(frame(0, width), 7)
     assert identity.meet(replace(info, serial="other")) == []
-    assert identity.holds_back(frame(1, width))
+    assert identity.holds_back(frame(1, width), 7)
     assert (identity.known, identity.strangers, identity.stranger) == (False, 3, f"{info.device} other")
 
 
 def test_what_waited_for_a_device_that_left_again_is_nobodys(info: DeviceInfo) -> None:
     identity, width = DeviceIdentity(info), len(info.channels)
     identity.came_back()
-    assert identity.holds_back(frame(0, width)) and identity.holds_back(frame(1, width))
+    assert identity.holds_back(frame(0, width), 7) and identity.holds_back(frame(1, width), 7)
     identity.lost()
     assert identity.strangers == 2
     assert identity.meet(info) == []
