@@ -267,7 +267,9 @@ class Reception:
             infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
             by_number = infos is not None and infos <= self.guard.most_infos
             self.guard.unanswered -= infos if infos and by_number and not self.guard.unplugged else 0
-            exact = by_number and sizes.are_one and not begun_anew and not self.guard.is_off
+            # Before the first sample no clock says which of the missing numbers were those of INFO frames.
+            told_apart = self.ledger.due_ticks is not None or not self.guard.most_infos
+            exact = by_number and told_apart and sizes.are_one and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
