@@ -267,8 +267,8 @@ class Reception:
             infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
             by_number = infos is not None and infos <= self.guard.most_infos
             self.guard.unanswered -= infos if infos and by_number and not self.guard.unplugged else 0
-            # Before the first sample no clock says which of the missing numbers were those of INFO frames.
-            told_apart = self.ledger.due_ticks is not None or not self.guard.most_infos
+            # Which of the missing numbers were those of INFO frames a clock says that tells a frame's samples.
+            told_apart = not self.guard.most_infos or self.ledger.tells(lost, sizes.smallest)
             exact = by_number and told_apart and sizes.are_one and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost

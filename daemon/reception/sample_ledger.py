@@ -228,6 +228,10 @@ class SampleLedger:
         by_number = self.nearest_numbered(frame, late)
         return max(0, round(by_number if abs(late - by_number) <= self.step.tolerance(by_number) else late))
 
+    def tells(self, lost: int, samples: float) -> bool:
+        """Say whether the clock tells so many lost samples to less than some; before the first it tells none."""
+        return self._ticks is not None and self.step.tolerance(lost) < samples
+
     def follows(self, frame: SamplesFrame) -> bool:
         """Say whether a frame's number is the next one."""
         return self._sequence is not None and frame.sequence == (self._sequence + 1) % SEQUENCES
