@@ -51,7 +51,7 @@ class Segments:
         Attached to each.
     limits : Limits
     on_pause, on_resume : callable
-        Told a sentence when nothing can be recorded any more, and a path when something can again.
+        Called with a sentence when nothing can be recorded any more, and a path when something can again.
     clock : callable
         Seconds that never go back.
 

@@ -47,7 +47,7 @@ class Supervisor:
     setup : Setup
     stop : StopSignal
     on_start, on_health, on_trouble : callable
-        Told what began, how it goes, and what went wrong without ending the run.
+        Called with what began, how it goes, and what went wrong without ending the run.
     wait : bool
         Whether a device that is not there at the start is waited for.
     """

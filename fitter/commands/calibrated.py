@@ -19,7 +19,7 @@ from limbcal.note import Note
 from protocol.markers.recording import MarkerRecording
 
 Recordings = Sequence[MarkerRecording]
-Told = Callable[[str, int], None]
+OnProgress = Callable[[str, int], None]
 
 
 @dataclass(frozen=True)
@@ -49,7 +49,7 @@ def calibrated_limb(
     limb: tuple[str, Girdle],
     body: Body | None,
     seed: int,
-    told: Told,
+    progress: OnProgress,
     search: Search | None = None,
 ) -> Calibrated:
     """Calibrate one limb: its preset, and from where on an arm begins; by a search where one is given."""
@@ -60,7 +60,7 @@ def calibrated_limb(
         write_limb_page(path, fit, answer, [*learn, *evaluate], notes)
 
     preset, girdle = limb
-    fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=told, search=search)
+    fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=progress, search=search)
     return Calibrated(
         calibrated_arm(fit, body),
         document(fit, learn, evaluate, seed),
@@ -70,7 +70,12 @@ def calibrated_limb(
 
 
 def calibrated_person(
-    learn: Recordings, evaluate: Recordings, marker_set: MarkerSet, body: Body | None, seed: int, told: Told
+    learn: Recordings,
+    evaluate: Recordings,
+    marker_set: MarkerSet,
+    body: Body | None,
+    seed: int,
+    progress: OnProgress,
 ) -> Calibrated:
     """Calibrate a whole person."""
 
@@ -79,7 +84,7 @@ def calibrated_person(
 
         write_body_page(path, fit, answer, [*learn, *evaluate], notes)
 
-    fit = calibrate_body(learn, marker_set, body, seed, progress=told)
+    fit = calibrate_body(learn, marker_set, body, seed, progress=progress)
     return Calibrated(
         calibrated_body(fit, body),
         body_document(fit, learn, evaluate, seed),

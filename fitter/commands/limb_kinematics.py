@@ -97,15 +97,15 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("fitting", total=None)
 
-        def told(what: str, iteration: int) -> None:
+        def report(what: str, iteration: int) -> None:
             bar.update(task, description=f"{what}, iteration {iteration}")
 
         if arguments.body == BODY:
-            found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, told)
+            found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, report)
         else:
             limb = (arguments.body, arguments.base)
             search = Search(arguments.population, arguments.generations) if arguments.method == "ga" else None
-            found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told, search)
+            found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, report, search)
     answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
     notes = [*notes, *more, *found.notes, *_no_masses(body)]
     save_arm(found.arm, arguments.out)

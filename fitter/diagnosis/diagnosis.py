@@ -98,7 +98,7 @@ def diagnose(
     judge : mapping of str to sequence of Measured, optional
         Sets of trials that have no say in anything, by their names.
     progress : callable, optional
-        Told what is being done, and how much of all is done (0 to 1).
+        Called with what is being done, and how much of all is done (0 to 1).
 
     Raises
     ------

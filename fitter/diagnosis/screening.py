@@ -37,7 +37,7 @@ def screen(
     starts : Starts
         With which the search for psi begins; what does best is added.
     progress : callable, optional
-        Told how many are done, and how many there are.
+        Called with how many are done, and how many there are.
     """
     motions = _telling(regression, accepted)
     grid = Multistart(regression, accepted.model, starts, motions)

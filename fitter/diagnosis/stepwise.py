@@ -109,7 +109,7 @@ class Stepwise:
     most : int
         Causes that are sought at the most.
     progress : callable, optional
-        Told how many causes were found.
+        Called with how many causes were found.
     """
 
     def __init__(

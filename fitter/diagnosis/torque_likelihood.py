@@ -41,7 +41,7 @@ class TorqueLikelihood:
     screen : callable
         Tries hypotheses in addition to a model's and returns them fitted (`screening`).
     progress : callable, optional
-        Told how many hypotheses were tried, and how many there are.
+        Called with how many hypotheses were tried, and how many there are.
     events : callable, optional
         Returns what may have happened beside a model, at the times and in the trials that explain most.
     moved : float

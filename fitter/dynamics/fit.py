@@ -100,7 +100,7 @@ def fit_dynamics(
     geometries : (n_draw, n_joint, 5), optional
         The arm's geometry as it may be, where the trials have draws, too; without it the arm's is exact.
     progress, polishing : callable, optional
-        Told after every generation, and every iteration of a fit of the motion: how many are done, and the cost.
+        Called after every generation, and every iteration of a fit of the motion: how many are done, and the cost.
     clock : callable
 
     Raises

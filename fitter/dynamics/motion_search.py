@@ -30,7 +30,7 @@ def polished_by_motion(
     window_s : float
         With ``law = "measured"``, how long a simulation runs before it starts anew.
     progress : callable, optional
-        Told after every iteration: how many are done, and the rms error in units of the noise.
+        Called after every iteration: how many are done, and the rms error in units of the noise.
 
     Returns
     -------

@@ -92,7 +92,7 @@ def fit_motion(
     x0, scale : (n_free,)
         Where the search begins, and the size of each parameter that would make itself felt.
     progress : callable, optional
-        Told after every iteration: how many are done, and the rms error [rad or m].
+        Called after every iteration: how many are done, and the rms error [rad or m].
     allowed : Allowed, optional
         Where the parameters may be, and what was known of them; ``x0`` need not be there.
     own_noise : float

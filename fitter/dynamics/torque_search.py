@@ -16,7 +16,7 @@ from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgor
 from limbcal.errors import ConfigError, NotConverged
 from limbcal.suggestion import did_you_mean
 
-#: Told after every generation: how many are done, and the best cost.
+#: Called after every generation: how many are done, and the best cost.
 Progress = Callable[[int, float], None]
 
 GENERATIONS = 1000

@@ -61,7 +61,7 @@ def fit_kinematics(
         Standard deviation of white Gaussian noise in the angles, which is undone. None: there is none. "auto":
         from their spectra, or from the moments of independent samples.
     progress : callable, optional
-        Told after every generation: how many are done, and the rms error of the best [m].
+        Called after every generation: how many are done, and the rms error of the best [m].
     clock : callable
 
     Raises

@@ -129,7 +129,7 @@ def fit_bundle(
     markers : MarkerModel
     q : (n_frame, n_joint)
     progress : callable, optional
-        Told the iteration.
+        Called with the iteration.
     most_iterations : int
     scales_known : bool
         Keep the markers' scales.

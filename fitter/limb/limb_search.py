@@ -87,7 +87,7 @@ def search_limb(
     seed : int
     search : Search
     progress : callable, optional
-        Told after every generation how many are done.
+        Called after every generation how many are done.
     clock : callable
         Processor time [s].
 

@@ -51,7 +51,7 @@ def track_limb(
     seed : int
         Of the postures that angles begin from.
     progress : callable, optional
-        Told how many recordings are done.
+        Called with how many recordings are done.
 
     Raises
     ------

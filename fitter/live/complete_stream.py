@@ -33,7 +33,7 @@ class CompleteStream:
     ----------
     inbox : Inbox
     tell : callable
-        Told a note where something is missed for good.
+        Called with a note where something is missed for good.
     clock : callable
         Returns seconds that never go back.
 

@@ -139,7 +139,7 @@ def diagnose_markers(
     labels : sequence of str
         What to call the recordings, learning ones first.
     progress : callable, optional
-        Told what is done.
+        Called with what is done.
 
     Raises
     ------

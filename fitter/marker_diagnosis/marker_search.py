@@ -76,7 +76,7 @@ def search_markers(
     recordings : sequence of MarkerRecording
         Trials to learn from, and those to judge on.
     progress : callable, optional
-        Told what is done.
+        Called with what is done.
     """
     tell = progress or (lambda _what: None)
     tell("tracking")

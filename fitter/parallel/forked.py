@@ -38,7 +38,7 @@ def side_by_side(
     items : sequence
         No more than 30000: their numbers wait in a pipe.
     progress : callable, optional
-        Told now and then how many are begun, and how many there are.
+        Called now and then with how many are begun, and how many there are.
 
     Raises
     ------

@@ -51,7 +51,7 @@ def diagnose_sensors(
     learn, evaluate : sequence of RawRun
         Trials to learn from and to judge by, each beginning with a rest. Angles that come with them are not used.
     progress : callable, optional
-        Told after every fit.
+        Called after every fit.
     seed : int
         Of the draws that the support and the residual's description need.
 

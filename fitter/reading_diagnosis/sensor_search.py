@@ -103,7 +103,7 @@ class Search:
     ----------
     trials : Trials
     progress : callable, optional
-        Told after every fit.
+        Called after every fit.
     rough : int
         Passes of the fits that only show which sensor is the odd one.
     """

@@ -96,7 +96,7 @@ def reduce_trials(
     workers, dask
         As in `fitter.parallel.spawned.in_order`.
     progress : callable, optional
-        Told after every file: how many are done, and of how many.
+        Called after every file: how many are done, and of how many.
 
     Raises
     ------

@@ -100,7 +100,7 @@ def fit_sensors(
         All sensors are AC-coupled with about this corner, which is to be found.
     clock : callable, optional
     progress : callable, optional
-        Told the number of passes after each.
+        Called with the number of passes after each.
 
     Raises
     ------

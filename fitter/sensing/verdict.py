@@ -56,16 +56,16 @@ class Verdict:
     turn_off_rad: float | None = None
 
 
-def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
+def verdict_of(found: Consistency | Smoothed, frames: int) -> Verdict:
     """Return what a filter or a smoother says after so many frames."""
-    if isinstance(said, Smoothed):
-        claim = Verdict(doubted=said.doubted, passes=said.passes, converged=said.converged, late_s=_late(said))
-        if said.discrepancy is None:
-            if said.mounted_elsewhere is None:
-                return replace(claim, wrong=said.doubted > DOUBTED)
-            place, turn = said.mounted_elsewhere
+    if isinstance(found, Smoothed):
+        claim = Verdict(doubted=found.doubted, passes=found.passes, converged=found.converged, late_s=_late(found))
+        if found.discrepancy is None:
+            if found.mounted_elsewhere is None:
+                return replace(claim, wrong=found.doubted > DOUBTED)
+            place, turn = found.mounted_elsewhere
             return replace(claim, wrong=True, place_off_m=place, turn_off_rad=turn)
-        lacks = said.discrepancy
+        lacks = found.discrepancy
         return replace(
             claim,
             wrong=True,
@@ -73,22 +73,22 @@ def verdict_of(said: Consistency | Smoothed, frames: int) -> Verdict:
             base_m_s2=lacks.base_std,
             discrepancy_rad_s=lacks.rate_lack_std or None,
         )
-    if said.size is None:  # a tracker that claims nothing
+    if found.size is None:  # a tracker that claims nothing
         return Verdict()
     return Verdict(
-        innovation=said.size,
-        doubted=said.doubted / max(1, frames),
-        wrong=said.wrong,
-        discrepancy_m_s2=said.discrepancy_m_s2,
-        base_m_s2=said.base_m_s2,
+        innovation=found.size,
+        doubted=found.doubted / max(1, frames),
+        wrong=found.wrong,
+        discrepancy_m_s2=found.discrepancy_m_s2,
+        base_m_s2=found.base_m_s2,
     )
 
 
-def _late(said: Smoothed) -> float | None:
+def _late(found: Smoothed) -> float | None:
     """Return the largest difference of clocks among those that are no chance; None if there is none."""
-    if said.clocks is None:
+    if found.clocks is None:
         return None
-    late, std = said.clocks
+    late, std = found.clocks
     shown = np.abs(late) > SIGMAS * std
     return float(late[np.argmax(np.abs(late) * shown)]) if shown.any() else None
 
@@ -105,11 +105,11 @@ def merged(verdicts: Sequence[Verdict], frames: Sequence[int]) -> Verdict:
     moves, how late a sensor is and how far it sits from its place are the most of any run.
     """
     known = [asdict(verdict) for verdict in verdicts]
-    said: dict[str, Any] = {}
+    values: dict[str, Any] = {}
     for name in ("innovation", "doubted"):
         shares = [(one[name], n) for one, n in zip(known, frames, strict=True) if one[name] is not None]
         if shares:
-            said[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
+            values[name] = sum(value * n for value, n in shares) / sum(n for _, n in shares)
     most = (
         ("passes", max),
         ("discrepancy_m_s2", max),
@@ -122,5 +122,5 @@ def merged(verdicts: Sequence[Verdict], frames: Sequence[int]) -> Verdict:
     for name, of in (("wrong", any), ("converged", all), *most):
         found = [one[name] for one in known if one[name] is not None]
         if found:
-            said[name] = of(found)
-    return Verdict(**said)
+            values[name] = of(found)
+    return Verdict(**values)

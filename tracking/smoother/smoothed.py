@@ -84,8 +84,8 @@ class Smoothed:
     alike: tuple[slice, ...] = (slice(None),)
 
     @property
-    def said(self) -> "Smoothed":
-        """What is said of the motion, without the motion and its readings."""
+    def summary(self) -> "Smoothed":
+        """What was found of the motion, without the motion and its readings."""
         none, frames = np.zeros((0, 0)), np.zeros(0, dtype=np.bool_)
         course = self.course._replace(readings=none, present=frames, jolt=none, doubt=none, rest=none, drift=none)
         found = Pass(none, none, none, none)

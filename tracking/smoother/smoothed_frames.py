@@ -131,7 +131,7 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
     windows = windows_of(readings)
     motion, offset = np.empty((n_frame, 3 * n)), np.empty((n_frame, n_channel))
     std, still, resting = np.empty((n_frame, n)), *np.empty((2, n_frame), dtype=np.bool_)
-    said, seen_after = list[Smoothed](), int(np.prod(window_frames(readings.dt_s)))
+    summaries, seen_after = list[Smoothed](), int(np.prod(window_frames(readings.dt_s)))
     before: Found | None = None
     for window in windows:
         until = None if window.ahead == window.end else window.end - window.begin
@@ -144,8 +144,8 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         # whether a motion goes on is seen in what was read last: at its beginning a window has read nothing
         judged = window.begin + (seen_after if window.begin else 0)
         resting[judged : window.ahead] = found.resting[judged - window.begin :]
-        said.append(found if len(windows) == 1 else found.said)
-        before, q0, given = before._replace(smoothed=said[-1]), motion[window.end - 1, ::3].copy(), True
+        summaries.append(found if len(windows) == 1 else found.summary)
+        before, q0, given = before._replace(smoothed=summaries[-1]), motion[window.end - 1, ::3].copy(), True
     q, dq, ddq = (motion[:, k::3].copy() for k in range(3))
     frames = Frames(
         0,
@@ -160,7 +160,7 @@ def smooth_motion(arm: Arm, readings: Readings, initial_q_rad: Floats | None) ->
         std,
     )
     lengths = tuple(window.end - window.begin for window in windows)
-    return SmoothedMotion(frames, _phases(resting, readings), tuple(said), lengths)
+    return SmoothedMotion(frames, _phases(resting, readings), tuple(summaries), lengths)
 
 
 def _phases(rests: NDArray[np.bool_], readings: Readings) -> list[Phase]:

@@ -7,6 +7,7 @@ import pytest
 
 from fitter.commands import calibrated
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
+from fitter.report import body_page, limb_page
 
 LEARN, EVALUATE = ("learn 1", "learn 2"), ("evaluate",)
 FIT = SimpleNamespace(notes=("a note",))
@@ -32,7 +33,8 @@ def asked(monkeypatch: pytest.MonkeyPatch) -> dict[str, tuple[object, ...]]:
             heard[name] = (*given, *more.items())
             return answer
 
-        monkeypatch.setattr(calibrated, name, tell)
+        written = {"write_limb_page": limb_page, "write_body_page": body_page}
+        monkeypatch.setattr(written.get(name, calibrated), name, tell)
     return heard
 
 
