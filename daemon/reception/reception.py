@@ -116,12 +116,13 @@ class Reception:
             self._parse(data)
             data = []
             if chunk.mark is Mark.ASKED:
-                self.guard.unanswered += 1
+                self.guard.ask(chunk.stamp_ns)
             elif chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
                 self._losses.why, self.connected = "unplugged", False
-                self.guard.unplugged, self.guard.unanswered = True, 0
+                self.guard.unplugged = True
+                self.guard.forget()
                 self.identity.lost()
             else:
                 self.parser.reset()
@@ -177,7 +178,7 @@ class Reception:
         last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
         for one in passed:
             if isinstance(one, SamplesRun) and self._goes_on(steady := self.guard.shifted(one)):
-                self._enter_run(steady)
+                self._enter_run(steady, arrival_ns)
                 continue
             if isinstance(last, SamplesRun):
                 last = last.last()
@@ -232,15 +233,16 @@ class Reception:
         settled = not self._doubted and not self.guard.waiting
         return settled and self.identity.has(run.counts.shape[1]) and self.ledger.goes_on(run)
 
-    def _enter_run(self, run: SamplesRun) -> None:
+    def _enter_run(self, run: SamplesRun, arrival_ns: int) -> None:
         assert self.clock is not None
         times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
         self._counted.add(times, run.counts)
         self.ledger.enter_run(run)
         self._losses.why, self.guard.unplugged = None, False
+        self.guard.account(arrival_ns)
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
-        self.guard.unanswered = max(0, self.guard.unanswered - 1)
+        self.guard.answer()
         waiting = self.identity.meet(frame.info)
         if self.identity.known:
             for came_ns, together in groupby(waiting, key=attrgetter("arrival_ns")):  # each by its own arrival
@@ -266,7 +268,8 @@ class Reception:
             sizes = self.ledger.sizes_with(frame)
             infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
             by_number = infos is not None and infos <= self.guard.most_infos
-            self.guard.unanswered -= infos if infos and by_number and not self.guard.unplugged else 0
+            if infos and by_number and not self.guard.unplugged:
+                self.guard.answer(infos)
             # Which of the missing numbers were those of INFO frames a clock says that tells a frame's samples.
             told_apart = not self.guard.most_infos or self.ledger.tells(lost, sizes.smallest)
             exact = by_number and told_apart and sizes.are_one and not begun_anew and not self.guard.is_off
@@ -276,6 +279,7 @@ class Reception:
         self._counted.add(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
         self._losses.why = None
+        self.guard.account(arrival_ns)
 
     def _note(self, gap: Gap, cause: str | None = None) -> None:
         self.ledger.note(gap, cause)

@@ -20,10 +20,13 @@ from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
+from daemon.acquisition.handshake import INFO_LIMIT_S
 from daemon.clock.tick_step import INFO_OFF, MAJORITY
 from daemon.reception.sample_ledger import SampleLedger
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 
+#: A device answers within this time, or the handshake gives it up [ns].
+_ANSWER_NS = round(1e9 * INFO_LIMIT_S)
 #: Enters a frame; the number is by how many ticks its clock was off, None where it was not.
 Enter = Callable[[SamplesFrame, int | None], None]
 #: Says by how much, beyond what is not known, something arrived before a tick was over [s]; below 0 if too late.
@@ -46,16 +49,13 @@ class TickGuard:
         How often its clock was off: a clock that stands still is once.
     unplugged : bool
         Whether the device was away since the last frame.
-    unanswered : int
-        INFO frames that the device was asked for and that did not come: it may have numbered them meanwhile. A
-        command to start is such a question, too.
     """
 
     def __init__(self, ledger: SampleLedger) -> None:
         self.shift = 0
         self.errors = 0
         self.unplugged = False
-        self.unanswered = 0
+        self._asked_ns: deque[int] = deque()
         self._ledger = ledger
         self._suspect: SamplesFrame | None = None
         self._steps: deque[tuple[int, int]] = deque(maxlen=MAJORITY)
@@ -65,6 +65,29 @@ class TickGuard:
     def waiting(self) -> bool:
         """Whether a frame waits for the next one."""
         return self._suspect is not None
+
+    @property
+    def unanswered(self) -> int:
+        """How many INFO frames the device was asked for that did not come: it may have numbered them meanwhile."""
+        return len(self._asked_ns)
+
+    def ask(self, now_ns: int) -> None:
+        """Note that the device was asked for an INFO frame, as by START, by the host's monotonic clock [ns]."""
+        self._asked_ns.append(now_ns)
+
+    def answer(self, infos: int = 1) -> None:
+        """Note that INFO frames came, or that some numbers were theirs."""
+        for _ in range(min(infos, len(self._asked_ns))):
+            self._asked_ns.popleft()
+
+    def account(self, arrival_ns: int) -> None:
+        """Note when samples came: an answer to what was asked long before them has a number before theirs."""
+        while self._asked_ns and self._asked_ns[0] < arrival_ns - _ANSWER_NS:
+            self._asked_ns.popleft()
+
+    def forget(self) -> None:
+        """Note that what was asked so far will not be answered."""
+        self._asked_ns.clear()
 
     @property
     def most_infos(self) -> float:

@@ -138,7 +138,7 @@ def test_a_clock_is_believed_between_the_smallest_and_the_largest_of_frames(tick
 @pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
 def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: bool) -> None:
     guarded = Guarded()
-    guarded.guard.unanswered = 1
+    guarded.guard.ask(0)
     guarded.take(frame(13, -infos * FRAME))
     assert guarded.entered == [((13 - infos * shown) * FRAME, None if shown else -infos * FRAME)]
 
@@ -146,9 +146,23 @@ def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: boo
 @pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
 def test_an_answer_has_no_samples_however_late_the_host_reads(infos: int, shown: bool) -> None:
     guarded = Guarded()
-    guarded.guard.unanswered, guarded.otherwise_s = 1, -0.2
+    guarded.guard.ask(0)
+    guarded.otherwise_s = -0.2
     guarded.take(frame(14, -infos * FRAME))
     assert guarded.ledger.lost_samples == (4 - infos * shown) * N
+
+
+def test_what_was_not_answered_for_five_seconds_of_samples_will_not_be() -> None:
+    guard = Guarded().guard
+    for at_s in (0, 1, 2):
+        guard.ask(at_s * 10**9)
+    guard.answer()
+    guard.account(6 * 10**9)
+    assert guard.unanswered == 2
+    guard.account(6 * 10**9 + 1)
+    assert guard.unanswered == 1
+    guard.answer(2)
+    assert guard.unanswered == 0
 
 
 @pytest.mark.parametrize("early_s", [-0.2, 0.0])
