@@ -9,17 +9,27 @@ from limbcal.note import Note
 from playback.motion_trials import Signals, read_trials
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
+from protocol.tables.columns import DRIVE_ROLES
 
 #: Angles written modulo a turn [rad] lie in one, give or take their rounding.
 _TURN = 2.0 * np.pi * (1.0 + 1e-6)
 
 
-def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
+def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: bool = False) -> Source:
     """Read a joint-motion file (a table with t, q1…, and where known dq1…, ddq1…, trial).
 
     A derivative that the file does not hold is taken by central differences, which shift nothing in time. A
     turning joint whose angles stay within a turn and jump by more than half a turn between two samples was written
     modulo a turn: it is made to go on, so that what lies between is the short way.
+
+    Parameters
+    ----------
+    path : Path
+    arm : Arm
+    columns : str, optional
+        Mapping of foreign columns.
+    beside_twin : bool
+        Whether the mapping is that of a simulated twin, too, which asks for drives.
 
     Raises
     ------
@@ -28,7 +38,8 @@ def file_source(path: Path, arm: Arm, columns: str | None = None) -> Source:
     ConfigError
         If the mapping of columns is wrong.
     """
-    found = read_trials(path, arm, needed=("q",), optional=("dq", "ddq"), columns=columns)
+    optional = ("dq", "ddq", *DRIVE_ROLES) if beside_twin else ("dq", "ddq")
+    found = read_trials(path, arm, needed=("q",), optional=optional, columns=columns)
     trials, notes = found.signals, list(found.notes)
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     for number, signals in trials.items():

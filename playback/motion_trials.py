@@ -4,6 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from arm.effects.trials import TrialId, trial_id
 from arm.model import Arm
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -27,6 +28,8 @@ class Trials:
         When each began, on the file's own clock; dates are counted from the file's first.
     origins_s : dict of int to float
         What that first was, in seconds since 1970; 0 of stamps that are no dates.
+    identities : dict of int to TrialId
+        What effects call them.
     notes : tuple of Note
         What was found while reading, where time leaps, and which trial got which number.
     """
@@ -34,6 +37,7 @@ class Trials:
     signals: dict[int, Signals]
     begins_s: dict[int, float]
     origins_s: dict[int, float]
+    identities: dict[int, TrialId]
     notes: tuple[Note, ...] = ()
 
     @property
@@ -47,6 +51,8 @@ class _Piece:
     """Rows of one trial without a leap in them."""
 
     label: str
+    name: str  # the file's stem, and the trial or cell where there are several in it
+    own_label: str  # what stands in the column `trial`; nothing without one
     row: int  # the first one's, from 1
     begin_s: float
     origin_s: float
@@ -96,17 +102,22 @@ def read_trials(
     notes: list[Note] = [note for table in tables for note in table.notes]
     for cell, table in enumerate(tables):
         label = str(cell + 1) if len(tables) > 1 else "1"
-        pieces += _pieces(table, label, path, notes)
+        stem = f"{path.stem}({cell + 1})" if len(tables) > 1 else path.stem
+        pieces += _pieces(table, label, stem, path, notes)
     numbered = _numbered(pieces, path, notes)
     return Trials(
         {number: piece.signals for number, piece in numbered.items()},
         {number: piece.begin_s for number, piece in numbered.items()},
         {number: piece.origin_s for number, piece in numbered.items()},
+        {
+            number: trial_id(place, piece.own_label, piece.name)
+            for place, (number, piece) in enumerate(numbered.items(), 1)
+        },
         tuple(notes),
     )
 
 
-def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Piece]:
+def _pieces(table: Table, label: str, stem: str, path: Path, notes: list[Note]) -> list[_Piece]:
     """Part a table by trials, and trials where time leaps; note the leaps."""
     found: list[_Piece] = []
     t = table.groups["t"][:, 0]
@@ -129,7 +140,8 @@ def _pieces(table: Table, label: str, path: Path, notes: list[Note]) -> list[_Pi
                 continue
             signals = {role: values[first:last] for role, values in table.groups.items() if role != "t"}
             own = {"t": t[first:last] - t[first], **signals}
-            found.append(_Piece(name or label, first + 1, float(t[first]), table.origin_s, own))
+            called = f"{stem}/{name}" if name else stem
+            found.append(_Piece(name or label, called, name, first + 1, float(t[first]), table.origin_s, own))
     return found
 
 

@@ -4,9 +4,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.control import control_torque
+from arm.drive_state import drives_of
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.drives import drives_of
 from fitter.data.motions import Measured
 from protocol.tables.columns import DRIVE_ROLES
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from fitter.data.motions import Measured, read_motions, require_switches, trial_column
+from fitter.data.motions import Measured, read_motions, trial_column
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
@@ -88,27 +88,6 @@ def test_rows_of_a_motion_are_a_motion():
     assert part.t.tolist() == [2.0, 3.0, 4.0] and part.columns["q"].tolist() == [[4, 5], [6, 7], [8, 9]]
     assert part.notes == (note, other) and part.labels.tolist() == ["b", "b", "c"] and part.stated == {"q1"}
     assert replace(whole, labels=None).rows(0, 1, "one").labels is None
-
-
-@pytest.mark.parametrize(
-    ("on", "words"),
-    [
-        ([[1, 0], [0, 1]], ""),
-        ([[1, 2], [0, 1]], "on2 in row 8 is 2, expected 1"),
-        ([[1, 0], [-1, 0.5]], "on1 in row 9 is -1, expected 1"),
-        (
-            [[1, 0], [0, 0.5]],
-            "on2 in row 9 is 0.5, expected 1 where the drive is engaged and 0 where it is let go",
-        ),
-    ],
-)
-def test_a_drive_is_engaged_or_let_go(on, words):
-    motion = Measured("run", "run.csv", 7, np.arange(2.0), {"on": np.array(on, dtype=float)})
-    if words:
-        with pytest.raises(DataError, match=f"run.csv: {words}"):
-            require_switches(motion)
-    else:
-        require_switches(motion)
 
 
 def test_what_is_noted_of_a_file_is_said_with_its_first_trial(tmp_path):
