@@ -10,6 +10,7 @@ from playback.motion_trials import Signals, read_trials
 from playback.source import Source
 from playback.trajectory import Floats, Trajectory
 from protocol.tables.columns import DRIVE_ROLES
+from protocol.tables.stamps import holes
 
 #: Angles written modulo a turn [rad] lie in one, give or take their rounding.
 _TURN = 2.0 * np.pi * (1.0 + 1e-6)
@@ -18,9 +19,10 @@ _TURN = 2.0 * np.pi * (1.0 + 1e-6)
 def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: bool = False) -> Source:
     """Read a joint-motion file (a table with t, q1…, and where known dq1…, ddq1…, trial).
 
-    A derivative that the file does not hold is taken by central differences, which shift nothing in time. A
-    turning joint whose angles stay within a turn and jump by more than half a turn between two samples was written
-    modulo a turn: it is made to go on, so that what lies between is the short way.
+    A derivative that the file does not hold is taken by central differences, which shift nothing in time. Where
+    rows are missing the motion is bridged, and its frames say so. A turning joint whose angles stay within a turn
+    and jump by more than half a turn between two samples was written modulo a turn: it is made to go on, so that
+    what lies between is the short way.
 
     Parameters
     ----------
@@ -58,7 +60,9 @@ def _trajectory(signals: Signals) -> Trajectory:
     t, q = signals["t"], signals["q"]
     dq = signals["dq"] if "dq" in signals else _derivative(q, t)
     ddq = signals["ddq"] if "ddq" in signals else _derivative(dq, t)
-    return Trajectory(t, q, dq, ddq, method="file")
+    lost = np.zeros(len(t), dtype=np.bool_)
+    lost[holes(t)] = True
+    return Trajectory(t, q, dq, ddq, method="file", lost=lost)
 
 
 def _derivative(x: Floats, t: Floats) -> Floats:

@@ -10,7 +10,7 @@ from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
 from protocol.tables.reader import read_tables
-from protocol.tables.stamps import leaps, require_rising, require_seconds, trial_rows
+from protocol.tables.stamps import holes, leaps, require_rising, require_seconds, trial_rows
 from protocol.tables.table import Floats, Table
 
 Signals = dict[str, Floats]
@@ -31,7 +31,7 @@ class Trials:
     identities : dict of int to TrialId
         What effects call them.
     notes : tuple of Note
-        What was found while reading, where time leaps, and which trial got which number.
+        What was found while reading, where rows are missing or time leaps, and which trial got which number.
     """
 
     signals: dict[int, Signals]
@@ -141,8 +141,23 @@ def _pieces(table: Table, label: str, stem: str, path: Path, notes: list[Note]) 
             signals = {role: values[first:last] for role, values in table.groups.items() if role != "t"}
             own = {"t": t[first:last] - t[first], **signals}
             called = f"{stem}/{name}" if name else stem
+            notes += _holes(t[first:last], first, str(path))
             found.append(_Piece(name or label, called, name, first + 1, float(t[first]), table.origin_s, own))
     return found
+
+
+def _holes(t: Floats, first_row: int, path: str) -> list[Note]:
+    """Return what there is to say of rows that are missing in a piece."""
+    rows = holes(t)
+    if not rows.size:
+        return []
+    row, before, after = first_row + int(rows[0]) + 1, float(t[rows[0] - 1]), float(t[rows[0]])
+    more = f", and so {rows.size - 1} more time(s)" if rows.size > 1 else ""
+    text = (
+        f"in row {row} t goes from {before:.9g} to {after:.9g} s{more}: rows are missing, and what is played "
+        "between was not measured"
+    )
+    return [Note("gap", text, path, ("t",), row, before, after)]
 
 
 def _numbered(pieces: Sequence[_Piece], path: Path, notes: list[Note]) -> dict[int, _Piece]:

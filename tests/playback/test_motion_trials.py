@@ -55,6 +55,16 @@ def test_a_leap_of_a_day_makes_two_trials(tmp_path: Path) -> None:
     assert note.kind == "gap" and note.row == 61 and note.to_s == pytest.approx(86400.6)
 
 
+def test_rows_that_are_missing_are_said(tmp_path: Path) -> None:
+    t = 5.0 + 0.01 * np.arange(100)
+    t = np.delete(t, [*range(20, 35), *range(60, 80)])
+    path = tmp_path / "holes.npz"
+    np.savez(path, t=t, q1=t, q2=t)
+    (note,) = read_trials(path, ARM, ["q"]).notes
+    assert note.kind == "gap" and note.row == 21 and note.from_s == pytest.approx(5.19)
+    assert note.text.startswith("in row 21 t goes from 5.19 to 5.35 s, and so 1 more time(s): rows are missing")
+
+
 @pytest.mark.parametrize(("scale", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_stamps_that_cannot_be_seconds_are_asked_about(tmp_path: Path, scale: float, unit: str) -> None:
     t = 0.01 * np.arange(100)
