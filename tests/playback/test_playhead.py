@@ -114,6 +114,19 @@ def test_what_is_sought_or_stepped_to_is_shown_at_once_and_once() -> None:
     assert head.take_due().position_s == 1.234
 
 
+def test_a_place_sought_just_before_a_pause_is_shown() -> None:
+    head, time = playing(50.0, 2.0)
+    time.now_s += 0.05
+    drain(head)
+    head.seek(1.234)
+    head.pause()
+    assert [frame.position_s for frame in drain(head)] == [1.234]
+    head.play()
+    drain(head)
+    head.pause()
+    assert drain(head) == [] and head.deadline_s() is None
+
+
 def test_the_end_can_be_sought_and_nothing_beyond_it() -> None:
     head, time = playing(10.0, 0.5)
     time.now_s += 10.0
