@@ -1,5 +1,6 @@
 """A joint-motion file as something to play."""
 
+from collections.abc import Mapping
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +17,13 @@ from protocol.tables.stamps import holes
 _TURN = 2.0 * np.pi * (1.0 + 1e-6)
 
 
-def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: bool = False) -> Source:
+def file_source(
+    path: Path,
+    arm: Arm,
+    columns: str | None = None,
+    beside_twin: bool = False,
+    names: Mapping[str, int] | None = None,
+) -> Source:
     """Read a joint-motion file (a table with t, q1…, and where known dq1…, ddq1…, trial).
 
     A derivative that the file does not hold is taken by central differences, which shift nothing in time. Where
@@ -32,6 +39,8 @@ def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: b
         Mapping of foreign columns.
     beside_twin : bool
         Whether the mapping is that of a simulated twin, too, which asks for drives.
+    names : mapping of str to int, optional
+        Numbers that named trials have in another file.
 
     Raises
     ------
@@ -41,7 +50,7 @@ def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: b
         If the mapping of columns is wrong.
     """
     optional = ("dq", "ddq", *DRIVE_ROLES) if beside_twin else ("dq", "ddq")
-    found = read_trials(path, arm, needed=("q",), optional=optional, columns=columns)
+    found = read_trials(path, arm, needed=("q",), optional=optional, columns=columns, names=names)
     trials, notes = found.signals, list(found.notes)
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     for number, signals in trials.items():
@@ -53,7 +62,15 @@ def file_source(path: Path, arm: Arm, columns: str | None = None, beside_twin: b
             signals["q"] = unwrapped
     motions = {number: _trajectory(signals) for number, signals in trials.items()}
     durations = {number: motion.duration_s for number, motion in motions.items()}
-    return Source(path.name, arm, durations, motions.__getitem__, notes=tuple(notes), begins_s=found.stamps_s)
+    return Source(
+        path.name,
+        arm,
+        durations,
+        motions.__getitem__,
+        notes=tuple(notes),
+        begins_s=found.stamps_s,
+        names=found.names,
+    )
 
 
 def _trajectory(signals: Signals) -> Trajectory:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from itertools import count
 from pathlib import Path
 
 from arm.effects.trials import TrialId, trial_id
@@ -30,6 +31,8 @@ class Trials:
         What that first was, in seconds since 1970; 0 of stamps that are no dates.
     identities : dict of int to TrialId
         What effects call them.
+    names : dict of str to int
+        Which number a trial got, by its name; empty where trials have numbers of their own.
     notes : tuple of Note
         What was found while reading, where rows are missing or time leaps, and which trial got which number.
     """
@@ -38,6 +41,7 @@ class Trials:
     begins_s: dict[int, float]
     origins_s: dict[int, float]
     identities: dict[int, TrialId]
+    names: dict[str, int]
     notes: tuple[Note, ...] = ()
 
     @property
@@ -66,6 +70,7 @@ def read_trials(
     optional: Sequence[str] = (),
     columns: str | None = None,
     vectors: Mapping[str, Sequence[str]] | None = None,
+    names: Mapping[str, int] | None = None,
 ) -> Trials:
     """Read the signals of every trial in a joint-motion file.
 
@@ -82,6 +87,8 @@ def read_trials(
         Mapping of foreign columns, see `protocol.tables.columns.parse_mapping`.
     vectors : mapping of str to sequence of str, optional
         Signals of several plain columns, taken where all of them are there.
+    names : mapping of str to int, optional
+        Numbers that named trials have in another file, so that they have the same in both.
 
     Returns
     -------
@@ -104,7 +111,7 @@ def read_trials(
         label = str(cell + 1) if len(tables) > 1 else "1"
         stem = f"{path.stem}({cell + 1})" if len(tables) > 1 else path.stem
         pieces += _pieces(table, label, stem, path, notes)
-    numbered = _numbered(pieces, path, notes)
+    numbered, named = _numbered(pieces, path, notes, names or {})
     return Trials(
         {number: piece.signals for number, piece in numbered.items()},
         {number: piece.begin_s for number, piece in numbered.items()},
@@ -113,6 +120,7 @@ def read_trials(
             number: trial_id(place, piece.own_label, piece.name)
             for place, (number, piece) in enumerate(numbered.items(), 1)
         },
+        named,
         tuple(notes),
     )
 
@@ -160,16 +168,27 @@ def _holes(t: Floats, first_row: int, path: str) -> list[Note]:
     return [Note("gap", text, path, ("t",), row, before, after)]
 
 
-def _numbered(pieces: Sequence[_Piece], path: Path, notes: list[Note]) -> dict[int, _Piece]:
-    """Return pieces by number: the labels' own, if each is a whole number, or their place in the file."""
+def _numbered(
+    pieces: Sequence[_Piece], path: Path, notes: list[Note], names: Mapping[str, int]
+) -> tuple[dict[int, _Piece], dict[str, int]]:
+    """Return pieces by number, and the numbers of those that have names.
+
+    Numbers are the labels' own, if each is a whole number, else those that names have elsewhere, else places.
+    """
     labels = [piece.label for piece in pieces]
     numbers = [_whole(label) for label in labels]
-    if None not in numbers and len(set(numbers)) == len(labels):
-        return {number: piece for number, piece in zip(numbers, pieces, strict=True) if number is not None}
-    if len(set(labels)) > 1:
-        said = ", ".join(f"{k} is {piece.label!r} from row {piece.row}" for k, piece in enumerate(pieces, 1))
+    if len(set(labels)) < len(labels):  # pieces of one trial
+        named, counted = {}, dict(enumerate(pieces, 1))
+    elif None in numbers or len(set(numbers)) < len(numbers):
+        further = count(max(names.values(), default=0) + 1)
+        named = {label: names[label] if label in names else next(further) for label in labels}
+        counted = {named[piece.label]: piece for piece in pieces}
+    else:
+        return {number: piece for number, piece in zip(numbers, pieces, strict=True) if number is not None}, {}
+    if len(set(labels)) > 1 or min(counted) > 1:
+        said = ", ".join(f"{k} is {piece.label!r} from row {piece.row}" for k, piece in counted.items())
         notes.append(Note("trials", f"trials are counted: {said}", str(path), ("trial",)))
-    return dict(enumerate(pieces, 1))
+    return counted, named
 
 
 def _whole(label: str) -> int | None:

@@ -23,7 +23,9 @@ from protocol.tables.files import TABLES
 def with_twin(
     source: Source, twin: str, targets: Path | None, say: Callable[[str], None], columns: str | None = None
 ) -> Source:
-    """Return a source with a virtual arm beside it, on one clock where the two have one.
+    """Return a source with a virtual arm beside it, trial by trial, on one clock where the two have one.
+
+    Trials that have names in both are paired by them, others by their numbers.
 
     Parameters
     ----------
@@ -52,7 +54,7 @@ def with_twin(
     if path.suffix.lower() == ".mcap":
         other = _stored_twin(source, recording_source(path, None), twin)
     elif path.suffix.lower() in TABLES:
-        other = _stored_twin(source, file_source(path, source.arm, columns), twin)
+        other = _stored_twin(source, file_source(path, source.arm, columns, names=source.names), twin)
     else:
         arm = load_arm(twin)
         _require_alike(source, arm, twin)
@@ -93,7 +95,7 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
             f"--twin {arm.name}: {source.name} has no {what}; expected --reference FILE with {name}1…, or "
             "joint motion as the twin"
         )
-    found = read_trials(targets, arm, needed=(name,), optional=DRIVE_ROLES, columns=columns)
+    found = read_trials(targets, arm, needed=(name,), optional=DRIVE_ROLES, columns=columns, names=source.names)
     trials = found.signals
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
     later, notes = begins_after(source, spans_of(found.stamps_s, durations), str(targets))

@@ -90,6 +90,25 @@ def test_trials_that_only_one_has_are_left_out_and_said(real: Source, tmp_path: 
         with_twin(real, str(tmp_path / "other.npz"), None, print)
 
 
+@pytest.mark.parametrize("order", ["ab", "ba", "b", "cb"])
+def test_trials_are_paired_by_their_names(tmp_path: Path, order: str) -> None:
+    t = np.arange(50) * 0.01
+
+    def named(file: str, names: str) -> Path:
+        q = np.concatenate([ord(name) * t for name in names])
+        path = tmp_path / file
+        np.savez(path, t=np.tile(t, len(names)), q1=q, q2=q, ref1=q, ref2=q, trial=np.repeat([*names], len(t)))
+        return path
+
+    real = file_source(named("real.npz", "ab"), load_arm("dd-arm"))
+    other = named("twin.npz", order)
+    stored, simulated = with_twin(real, str(other), None, print), with_twin(real, "dd-arm", other, print)
+    assert stored.trials == simulated.trials == ((1, 2) if "a" in order else (2,))
+    for trial in stored.trials:
+        np.testing.assert_array_equal(stored.twin.load(trial).q, real.load(trial).q)
+    assert f"2 is 'b' from row {1 + 50 * order.index('b')}" in stored.twin.notes[0].text
+
+
 def test_what_cannot_be_a_twin_is_refused(real: Source, measured: Path) -> None:
     with pytest.raises(ConfigError, match="has no targets; expected --reference FILE with ref1"):
         with_twin(real, "dd-arm", None, print)
