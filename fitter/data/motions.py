@@ -93,10 +93,12 @@ class Measured:
         return replace(part, piece_of=self.piece_of or self.name)
 
 
-def trial_column(trials: Sequence[Measured]) -> list[int]:
-    """Return what stands in the ``trial`` column for each: their numbers where these differ, else their places."""
-    numbers = [trial.identity(place).number for place, trial in enumerate(trials, 1)]
-    return numbers if len(set(numbers)) == len(numbers) else list(range(1, len(trials) + 1))
+def trial_column(trials: Sequence[Measured]) -> list[int] | list[str]:
+    """Return what stands in the ``trial`` column for each: their labels where these differ, else their places."""
+    labels = [trial.label for trial in trials]
+    if not all(labels) or len(set(labels)) < len(labels):
+        return list(range(1, len(trials) + 1))
+    return [int(label) for label in labels] if all(map(str.isdecimal, labels)) else labels
 
 
 def read_motions(

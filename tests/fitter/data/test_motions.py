@@ -111,12 +111,13 @@ def test_cells_of_a_file_are_counted_from_one(tmp_path):
     ("labels", "numbers", "column"),
     [
         (("3", "4"), [3, 4], [3, 4]),
-        (("a", "4"), [1, 4], [1, 4]),
+        (("a", "4"), [1, 4], ["a", "4"]),
+        (("push", "rest"), [1, 2], ["push", "rest"]),
         (("2", "2"), [2, 2], [1, 2]),
         (None, [1, 2], [1, 2]),
     ],
 )
-def test_trials_keep_their_numbers_where_these_differ(tmp_path, labels, numbers, column):
+def test_trials_keep_their_labels_where_these_differ(tmp_path, labels, numbers, column):
     trials = [
         Measured("m", "m.csv", 0, np.arange(2.0), {}, labels=labels and np.array([label, label]))
         for label in labels or (None, None)
