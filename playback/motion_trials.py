@@ -5,6 +5,8 @@ from dataclasses import dataclass
 from itertools import count
 from pathlib import Path
 
+import numpy as np
+
 from arm.effects.trials import TrialId, trial_id
 from arm.model import Arm
 from limbcal.errors import DataError
@@ -13,6 +15,7 @@ from protocol.tables.columns import parse_mapping
 from protocol.tables.reader import read_tables
 from protocol.tables.stamps import holes, leaps, require_rising, require_seconds, trial_rows
 from protocol.tables.table import Floats, Table
+from protocol.tables.turning import look_like_degrees, top_speeds
 
 Signals = dict[str, Floats]
 
@@ -34,7 +37,8 @@ class Trials:
     names : dict of str to int
         Which number a trial got, by its name; empty where trials have numbers of their own.
     notes : tuple of Note
-        What was found while reading, where rows are missing or time leaps, and which trial got which number.
+        What was found while reading, which unit may be meant, where rows are missing or time leaps, and which
+        trial got which number.
     """
 
     signals: dict[int, Signals]
@@ -107,10 +111,12 @@ def read_trials(
     tables = read_tables(path, arm.n_joint, mapping, needed, vectors=vectors, joint_roles=joints)
     pieces: list[_Piece] = []
     notes: list[Note] = [note for table in tables for note in table.notes]
+    unstated = _unstated(tables[0], arm)
     for cell, table in enumerate(tables):
         label = str(cell + 1) if len(tables) > 1 else "1"
         stem = f"{path.stem}({cell + 1})" if len(tables) > 1 else path.stem
         pieces += _pieces(table, label, stem, path, notes)
+    notes += _degrees(pieces, unstated, path)
     numbered, named = _numbered(pieces, path, notes, names or {})
     return Trials(
         {number: piece.signals for number, piece in numbered.items()},
@@ -152,6 +158,31 @@ def _pieces(table: Table, label: str, stem: str, path: Path, notes: list[Note]) 
             notes += _holes(t[first:last], first, str(path))
             found.append(_Piece(name or label, called, name, first + 1, float(t[first]), table.origin_s, own))
     return found
+
+
+def _unstated(table: Table, arm: Arm) -> dict[str, list[int]]:
+    """Return the turning joints, from 0, whose angles and targets are in a unit that nobody states."""
+    turning = [j for j, joint in enumerate(arm.joints) if joint.type == "revolute"]
+    by_role = {role: [j for j in turning if f"{role}{j + 1}" not in table.stated] for role in ("q", "ref")}
+    return {role: joints for role, joints in by_role.items() if joints and role in table.groups}
+
+
+def _degrees(pieces: Sequence[_Piece], unstated: Mapping[str, Sequence[int]], path: Path) -> list[Note]:
+    """Return what there is to say of angles that can hardly be radians: the first trial of each kind of column."""
+    notes = []
+    for role, joints in unstated.items():
+        for piece in pieces:
+            t, q = piece.signals["t"], piece.signals[role][:, joints]
+            if look_like_degrees(t, q):
+                far = int(np.argmax(np.ptp(q, axis=0)))
+                text = (
+                    f"{role}{joints[far] + 1} goes {np.ptp(q[:, far]):.3g} rad to and fro at up to "
+                    f'{top_speeds(t, q)[far]:.3g} rad/s: degrees? Then --columns "{role}={role}{{j}}:deg" '
+                    f"({role}={role}{{j}}:rad if it is radians)"
+                )
+                notes.append(Note("unit", text, str(path), tuple(f"{role}{j + 1}" for j in joints), piece.row))
+                break
+    return notes
 
 
 def _holes(t: Floats, first_row: int, path: str) -> list[Note]:

@@ -95,7 +95,7 @@ def test_trials_are_paired_by_their_names(tmp_path: Path, order: str) -> None:
     t = np.arange(50) * 0.01
 
     def named(file: str, names: str) -> Path:
-        q = np.concatenate([ord(name) * t for name in names])
+        q = np.concatenate([(ord(name) - 96) * t for name in names])
         path = tmp_path / file
         np.savez(path, t=np.tile(t, len(names)), q1=q, q2=q, ref1=q, ref2=q, trial=np.repeat([*names], len(t)))
         return path
