@@ -112,7 +112,7 @@ class TouchLoop:
         begin = time.perf_counter()
         self.arm.step(n_step, hand, sampled_interval(self._interval_s, self._loop_s))
         self._steps.add(time.perf_counter() - begin)
-        if not math.isfinite(float(self.arm.state.sum())):
+        if not math.isfinite(float(self.arm.state.sum() + self.arm.felt.sum())):
             self._run_away()
         for item, holds in answers:
             self._channel.answer(item.envelope, self._felt(item.said.seq, holds))

@@ -150,6 +150,20 @@ def test_an_arm_that_runs_away_is_put_back(own_context) -> None:
         one.loop.close()
 
 
+def test_no_hand_feels_an_arm_that_runs_away(own_context) -> None:
+    """With these gains velocities overflow in the force before they do in the arm."""
+    wild = replace(load_arm("dd-arm"), control=Control("pd", (400.0, 400.0), (-3167.85, -3167.85)))
+    one = Driven(own_context, wild, Coupling())
+    try:
+        with TouchDevice(own_context, one.loop.haptic) as device:
+            place = one.loop.arm.touched_point(one.loop.arm.tip) + [0.0, 0.02, 0.0]
+            for _ in range(30):
+                assert np.isfinite(one.hear(device, place)["force"]).all()
+        assert one.loop.health()["resets"] > 0
+    finally:
+        one.loop.close()
+
+
 def test_a_loop_that_has_just_begun_says_so(driven: Driven) -> None:
     health = driven.loop.health()
     assert {name: health[name] for name in BEGUN} == BEGUN
