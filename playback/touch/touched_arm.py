@@ -16,7 +16,7 @@ from arm.way_before import set_way
 from limbcal.errors import ConfigError, DataError
 from playback.touch import coupling as c
 from playback.touch.grip import Grip, Hand
-from playback.touch.limit import Coupling, mass_limit
+from playback.touch.limit import UNBOUND, Coupling, mass_limit
 from playback.touch.memory import Memory
 from playback.touch.rotation import turned_between
 from playback.touch.tick import tick
@@ -70,7 +70,7 @@ class TouchedArm:
         self.state = parts.state
         self._held_s = self._unheard_s = 0.0
         self._turned: Floats | None = None
-        self._follows = math.inf, math.inf
+        self._follows = UNBOUND, UNBOUND
         self._within_s = 0.0
         self._grown = False
         friction_alone(self._chain, self._effects, self._room)
@@ -248,7 +248,7 @@ class TouchedArm:
             x[c.WALL_STIFFNESS] = share * (given.wall_stiffness or 0.0)
 
     def _limits(self) -> None:
-        """Find out which stiffness the arm's step can follow at the touched point."""
+        """Find out which stiffness and damping the arm's step can follow at the touched point."""
         t, n = self._touch, self.arm.n_joint
         J = np.empty((2, 3, n))
         axes, moving = np.empty((3, 3)), np.empty((3, 3))
