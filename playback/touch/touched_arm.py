@@ -7,7 +7,7 @@ import numpy as np
 from arm.chain import chain_of
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
-from arm.effects.effect_table import DELAY, changed, effect_table
+from arm.effects.effect_table import DELAY, ROTOR, changed, effect_table
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque, mass_matrix, poses
 from arm.outer_wrench import point_motion
@@ -255,7 +255,8 @@ class TouchedArm:
         for i, unit in enumerate(np.eye(n)):
             point_motion(self._chain, self._room.R, self._room.p, unit, t.joint[0], t.point, axes, moving)
             J[:, :, i] = moving[1:]
-        mobility = J @ np.linalg.solve(mass_matrix(self.arm, self.state[0])[0], J.transpose(0, 2, 1))
+        M = mass_matrix(self.arm, self.state[0])[0] + np.diag(self._effects.numbers[ROTOR] - self._law[2])
+        mobility = J @ np.linalg.solve(M, J.transpose(0, 2, 1))
         light, easy = (max(float(np.linalg.eigvalsh(part)[-1]), 1e-12) for part in mobility)
         self._follows = mass_limit(1.0 / light, self.step_s), mass_limit(1.0 / easy, self.step_s)
 

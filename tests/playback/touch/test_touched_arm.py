@@ -279,6 +279,16 @@ def test_a_light_arm_is_held_as_stiffly_as_its_step_follows() -> None:
     assert arm.given.turn_stiffness == pytest.approx(1.0 / turning / step_s**2)
 
 
+def test_a_rotor_is_felt_as_inertia_of_the_arm() -> None:
+    """Of a link without mass it is all that there is: at the tip it weighs its inertia over the length squared."""
+    rotor = Effect("rotor_inertia", {"inertia_kg_m2": 0.02}, (1,))
+    arm = TouchedArm(Arm("geared", (Joint(a_m=0.5),), effects=(rotor,)), np.zeros(1), T, Coupling(1e6, 1.0, 1e4))
+    x = arm.touched_point(arm.tip)
+    arm.take(arm.tip, Hand(x))
+    arm.step(1, Hand(x))
+    assert arm.given.stiffness == pytest.approx(0.02 / 0.5**2 / T**2)
+
+
 @pytest.mark.parametrize("mass_kg", [1e-4, 1e-3, 1e-2])
 def test_a_light_arm_takes_a_strong_damper(mass_kg: float) -> None:
     """Two rods of 5 cm, whose tip the hand leads round: a spring is stretched by 1 cm, and no blow is felt."""
