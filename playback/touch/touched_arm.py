@@ -120,7 +120,7 @@ class TouchedArm:
         if self._own_law is not None:
             self._law[:], self._drive[:] = self._own_law, target
         else:  # every joint as if it were alone, critically damped; the weight is carried
-            inertia = np.diag(mass_matrix(self.arm, target)[0])
+            inertia = np.diag(self._mass_matrix(target))
             weight = bias_torque(self.arm, target[None], np.zeros((1, self.arm.n_joint)))[0]
             self._law[0], self._law[1] = inertia * _HOLD_RAD_S**2, -2.0 * inertia * _HOLD_RAD_S
             self._law[2] = 0.0
@@ -255,10 +255,14 @@ class TouchedArm:
         for i, unit in enumerate(np.eye(n)):
             point_motion(self._chain, self._room.R, self._room.p, unit, t.joint[0], t.point, axes, moving)
             J[:, :, i] = moving[1:]
-        M = mass_matrix(self.arm, self.state[0])[0] + np.diag(self._effects.numbers[ROTOR] - self._law[2])
+        M = self._mass_matrix(self.state[0]) - np.diag(self._law[2])  # eq. (6): ka ddq belongs with M ddq
         mobility = J @ np.linalg.solve(M, J.transpose(0, 2, 1))
         light, easy = (max(float(np.linalg.eigvalsh(part)[-1]), 1e-12) for part in mobility)
         self._follows = mass_limit(1.0 / light, self.step_s), mass_limit(1.0 / easy, self.step_s)
+
+    def _mass_matrix(self, q: Floats) -> Floats:
+        """Return that of the links, and of rotors where there are any."""
+        return np.asarray(mass_matrix(self.arm, q)[0] + np.diag(self._effects.numbers[ROTOR]))
 
     def _fitting(self, q: Floats) -> Floats:
         q = np.asarray(q, dtype=np.float64)

@@ -287,6 +287,11 @@ def test_a_rotor_is_felt_as_inertia_of_the_arm() -> None:
     arm.take(arm.tip, Hand(x))
     arm.step(1, Hand(x))
     assert arm.given.stiffness == pytest.approx(0.02 / 0.5**2 / T**2)
+    arm.reset(np.zeros(1))
+    arm.hold(np.ones(1))  # critically damped at 2 Hz
+    arm.step(100)
+    left = (1.0 + 4.0 * np.pi * 0.1) * np.exp(-4.0 * np.pi * 0.1)
+    assert arm.state[0] == pytest.approx([1.0 - left], abs=1e-6)
 
 
 @pytest.mark.parametrize("mass_kg", [1e-4, 1e-3, 1e-2])
