@@ -137,6 +137,8 @@ def test_the_end_can_be_sought_and_nothing_beyond_it() -> None:
         with pytest.raises(ConfigError, match="expected 0 to 0.5"):
             head.seek(float(beyond))
         assert head.position_s == 0.5
+    with pytest.raises(ConfigError, match="position_s is 0.50000001, expected 0 to 0.5"):
+        head.seek(0.50000001)
     head.seek(0.3)  # back from the end: it is gone on from there, and not from the beginning
     drain(head)
     head.play()
