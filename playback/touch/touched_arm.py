@@ -8,6 +8,7 @@ from arm.chain import chain_of
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
 from arm.effects.effect_table import DELAY, ROTOR, changed, effect_table
+from arm.effects.payload import with_load
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque, mass_matrix, poses
 from arm.outer_wrench import point_motion
@@ -121,7 +122,7 @@ class TouchedArm:
             self._law[:], self._drive[:] = self._own_law, target
         else:  # every joint as if it were alone, critically damped; the weight is carried
             inertia = np.diag(self._mass_matrix(target))
-            weight = bias_torque(self.arm, target[None], np.zeros((1, self.arm.n_joint)))[0]
+            weight = bias_torque(self._loaded(), target[None], np.zeros((1, self.arm.n_joint)))[0]
             self._law[0], self._law[1] = inertia * _HOLD_RAD_S**2, -2.0 * inertia * _HOLD_RAD_S
             self._law[2] = 0.0
             self._drive[:] = target + weight / self._law[0]
@@ -261,8 +262,14 @@ class TouchedArm:
         self._follows = mass_limit(1.0 / light, self.step_s), mass_limit(1.0 / easy, self.step_s)
 
     def _mass_matrix(self, q: Floats) -> Floats:
-        """Return that of the links, and of rotors where there are any."""
-        return np.asarray(mass_matrix(self.arm, q)[0] + np.diag(self._effects.numbers[ROTOR]))
+        """Return that of the links, of what the arm carries now, and of rotors."""
+        return np.asarray(mass_matrix(self._loaded(), q)[0] + np.diag(self._effects.numbers[ROTOR]))
+
+    def _loaded(self) -> Arm:
+        """Return the arm with what it carries now."""
+        since_s, mass_kg = self._effects.payload.T
+        load_kg = float(mass_kg[since_s <= self._clock[0]].sum())
+        return with_load(self.arm, load_kg) if load_kg else self.arm
 
     def _fitting(self, q: Floats) -> Floats:
         q = np.asarray(q, dtype=np.float64)

@@ -294,6 +294,14 @@ def test_a_rotor_is_felt_as_inertia_of_the_arm() -> None:
     assert arm.state[0] == pytest.approx([1.0 - left], abs=1e-6)
 
 
+def test_an_arm_that_is_held_carries_its_payload() -> None:
+    hanging = replace(load_arm("dd-arm-vertical"), control=Control("measured"))
+    arm = TouchedArm(replace(hanging, effects=(Effect("payload", {"mass_kg": 2.0}),)), Q0, T, Coupling())
+    arm.hold()
+    arm.step(1000)
+    assert arm.state[0] == pytest.approx(Q0, abs=1e-9)
+
+
 @pytest.mark.parametrize("mass_kg", [1e-4, 1e-3, 1e-2])
 def test_a_light_arm_takes_a_strong_damper(mass_kg: float) -> None:
     """Two rods of 5 cm, whose tip the hand leads round: a spring is stretched by 1 cm, and no blow is felt."""
