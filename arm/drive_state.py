@@ -1,5 +1,6 @@
 """What the drives of the joints do from sample to sample: whether they are engaged, and gains of a trial's own."""
 
+from collections.abc import Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,9 @@ from limbcal.errors import ConfigError
 #: Rows of `DriveState.schedule`: kp, kv, ka of eq. (5), (6), (7), and 1 where the drive is engaged.
 KP, KV, KA, ON = range(4)
 N_ROW = 4
+
+#: What data call the state of a drive, and gains that are a trial's own.
+_ROLES = ("on", "kp", "kv")
 
 
 @dataclass(frozen=True)
@@ -87,3 +91,18 @@ class DriveState:
 def unchanging(n_joint: int) -> Floats:
     """Return the schedule of drives that are what the law says throughout: it has no samples."""
     return np.empty((0, N_ROW, n_joint))
+
+
+def drives_of(columns: Mapping[str, Floats]) -> DriveState | None:
+    """Return the state of the drives that some columns say; None where they say no more than ``[control]`` does.
+
+    Parameters
+    ----------
+    columns : mapping of str to ndarray of shape (n_sample, n_joint)
+        By role; ``on`` (0 or 1), ``kp`` and ``kv`` count, where there are any.
+    """
+    on, kp, kv = (columns.get(role) for role in _ROLES)
+    if kp is None and kv is None and (on is None or bool(on.all())):
+        return None
+    shape = next(values.shape for values in (on, kp, kv) if values is not None)
+    return DriveState(np.ones(shape, dtype=np.bool_) if on is None else on > 0.5, kp, kv)

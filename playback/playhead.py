@@ -100,7 +100,7 @@ class Playhead:
             self._stretch = _Stretch(self._clocks.monotonic(), self._clocks.wall_ns(), self.position_s)
 
     def pause(self) -> None:
-        """Stay where the last frame was."""
+        """Stay where the last frame was, or at a place that was sought since: its frame is due at once."""
         self._stretch = None
 
     def seek(self, position_s: float) -> None:
@@ -112,11 +112,10 @@ class Playhead:
             If it is not within the motion.
         """
         if not 0.0 <= position_s <= self.duration_s:
-            raise ConfigError(f"position_s is {position_s:g}, expected 0 to {self.duration_s:.9g}")
+            raise ConfigError(f"position_s is {position_s:.9g}, expected 0 to {self.duration_s:.9g}")
         self.position_s, self._at_end = position_s, False
-        if self._stretch is None:
-            self._shown_at = (self._clocks.monotonic(), self._clocks.wall_ns())
-        else:
+        self._shown_at = (self._clocks.monotonic(), self._clocks.wall_ns())
+        if self._stretch is not None:
             self._stretch = self._from_next(position_s)
 
     def step(self, frames: int) -> None:
@@ -151,10 +150,10 @@ class Playhead:
         if deadline_s is None or self._clocks.monotonic() < deadline_s:
             return None
         number, self._number = self._number, self._number + 1
+        shown_at, self._shown_at = self._shown_at, None
         if self._stretch is None:
-            assert self._shown_at is not None  # else nothing was due
-            t0_ns, self._shown_at = self._shown_at[1], None
-            return Due(number, self.position_s, t0_ns)
+            assert shown_at is not None  # else nothing was due
+            return Due(number, self.position_s, shown_at[1])
         stretch, k = self._stretch, self._stretch.k
         t0_ns = stretch.start_ns + round(k * 1e9 / self.rate_hz)
         self.position_s = min(self._place(k), self.duration_s)

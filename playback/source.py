@@ -29,6 +29,8 @@ class Source:
         What was found while reading.
     begins_s : mapping of int to float
         When each trial began on the clock of what was read [s]; 0 where it does not say.
+    names : mapping of str to int
+        Numbers of the trials that have names.
     """
 
     name: str
@@ -38,6 +40,7 @@ class Source:
     twin: "Source | None" = None
     notes: tuple[Note, ...] = ()
     begins_s: Mapping[int, float] = field(default_factory=dict)
+    names: Mapping[str, int] = field(default_factory=dict)
 
     @property
     def trials(self) -> tuple[int, ...]:

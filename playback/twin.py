@@ -16,13 +16,16 @@ from playback.recording_source import recording_source
 from playback.simulated_source import even_step, simulated
 from playback.source import Source
 from playback.trajectory import Trajectory
+from protocol.tables.columns import DRIVE_ROLES
 from protocol.tables.files import TABLES
 
 
 def with_twin(
     source: Source, twin: str, targets: Path | None, say: Callable[[str], None], columns: str | None = None
 ) -> Source:
-    """Return a source with a virtual arm beside it, on one clock where the two have one.
+    """Return a source with a virtual arm beside it, trial by trial, on one clock where the two have one.
+
+    Trials that have names in both are paired by them, others by their numbers.
 
     Parameters
     ----------
@@ -30,8 +33,9 @@ def with_twin(
         The real arm's motion.
     twin : str
         A file of joint motion or a recording, to be shown as it is; or an arm, which is then simulated: under its
-        law after the targets ``ref1…``, or under the torque ``tau1…`` where its law is "measured", from the state
-        of the real arm when these begin, or in which it begins after them.
+        law after the targets ``ref1…``, or under the torque ``tau1…`` where its law is "measured", with the drives
+        ``on1… kp1… kv1…`` where the file has them, from the state of the real arm when these begin, or in which it
+        begins after them.
     targets : Path or None
         The file with the targets or the torque.
     say : callable
@@ -50,7 +54,7 @@ def with_twin(
     if path.suffix.lower() == ".mcap":
         other = _stored_twin(source, recording_source(path, None), twin)
     elif path.suffix.lower() in TABLES:
-        other = _stored_twin(source, file_source(path, source.arm, columns), twin)
+        other = _stored_twin(source, file_source(path, source.arm, columns, names=source.names), twin)
     else:
         arm = load_arm(twin)
         _require_alike(source, arm, twin)
@@ -91,23 +95,26 @@ def _simulated_twin(source: Source, arm: Arm, targets: Path | None, columns: str
             f"--twin {arm.name}: {source.name} has no {what}; expected --reference FILE with {name}1…, or "
             "joint motion as the twin"
         )
-    found = read_trials(targets, arm, needed=(name,), columns=columns)
+    found = read_trials(targets, arm, needed=(name,), optional=DRIVE_ROLES, columns=columns, names=source.names)
     trials = found.signals
     durations = {number: float(signals["t"][-1]) for number, signals in trials.items()}
     later, notes = begins_after(source, spans_of(found.stamps_s, durations), str(targets))
 
     def trajectory(number: int) -> Trajectory:
-        signals, begin_s = _from(trials[number], later.get(number, 0.0))
+        signals, begin_s, left_out_s = _from(trials[number], later.get(number, 0.0))
         q, dq, _ = source.load(number).at(np.array([max(begin_s, 0.0)]))
         step = even_step(signals["t"], f"{targets}: trial {number}")
-        return replace(simulated(arm, {**signals, "q": q, "dq": dq}, step), begin_s=begin_s)
+        t0_s = found.begins_s[number] + left_out_s
+        motion = simulated(arm, {**signals, "q": q, "dq": dq}, step, t0_s, found.identities[number])
+        return replace(motion, begin_s=begin_s)
 
     name = f"simulation of {arm.name}"
     return Source(name, arm, durations, trajectory, notes=(*found.notes, *notes), begins_s=found.stamps_s)
 
 
-def _from(signals: Signals, begin_s: float) -> tuple[Signals, float]:
-    """Return signals without what is before 0 on the real arm's clock, on which they begin, and when they do."""
+def _from(signals: Signals, begin_s: float) -> tuple[Signals, float, float]:
+    """Return signals without what is before 0 on the real arm's clock, when they begin, and how long that was."""
     t = signals["t"]
     k = min(int(np.searchsorted(t, -begin_s)), len(t) - 2)  # two samples stay
-    return {**{name: values[k:] for name, values in signals.items()}, "t": t[k:] - t[k]}, begin_s + float(t[k])
+    later = {**{name: values[k:] for name, values in signals.items()}, "t": t[k:] - t[k]}
+    return later, begin_s + float(t[k]), float(t[k])

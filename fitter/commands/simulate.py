@@ -6,13 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.effects.trials import TrialId
 from arm.model import Arm, Floats
 from arm.possible import why_it_runs_away
-from arm.simulation import Motion, simulate, tip_of
+from arm.simulation import tip_of
+from arm.trial_simulation import simulate_trial
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import MOTION_SUFFIXES, add_arm, add_columns, add_out, joint_values, make_room
-from fitter.data.drives import drives_of
 from fitter.data.leaps import split_at_leaps
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured, read_motions, trial_column
@@ -23,9 +22,6 @@ from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
 from protocol.tables.columns import parse_mapping
 from protocol.tables.stamps import require_seconds
-
-#: The simulation's own step is at most this long [s].
-_LONGEST_STEP_S = 1e-3
 
 #: As it stands in the help.
 EXAMPLE = "fitter simulate --arm calibrated.toml --reference reference.csv --out motion.csv"
@@ -72,7 +68,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
         given = arguments.initial_q
         q0 = _start(trial.measured, arm) if given is None else joint_values(given, arm, "--initial-q")
         place = float(measured.t[0]), measured.identity(number)
-        motion, tip = _simulated(arm, trial.measured, trial.dt_s, q0, arguments.scheme, *place)
+        motion = simulate_trial(arm, trial.measured.columns, trial.dt_s, q0, arguments.scheme, *place)
         if not np.isfinite(motion.q).all():
             raise DataError(f"{measured.name}: the simulation runs away to infinity: {why_it_runs_away(arm)}")
         columns = {name: getattr(motion, name) for name in ("q", "dq", "ddq", "tau", "ref")}
@@ -80,7 +76,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
             {
                 "t": motion.t + measured.t[0],
                 **columns,
-                "tip": tip,
+                "tip": tip_of(arm, motion),
                 "trial": np.full(len(motion.t), labels[number - 1]),
             }
         )
@@ -106,33 +102,3 @@ def _start(measured: Measured, arm: Arm) -> Floats:
     raise ConfigError(
         f"{measured.where}: has no q1… to start from, expected them or --initial-q for arm {arm.name}"
     )
-
-
-def _simulated(
-    arm: Arm, trial: Measured, dt_s: float, q0: Floats, scheme: str, t0_s: float, identity: TrialId
-) -> tuple[Motion, Floats]:
-    """Simulate with steps that are short enough, and give back the file's own samples and where the tip was."""
-    parts = max(1, int(np.ceil(dt_s / _LONGEST_STEP_S - 1e-9)))
-    n = len(trial.t)
-    held = np.repeat(np.arange(n), parts)
-    torque = None
-    if arm.control.law == "measured":
-        fine = np.arange(n * parts) / parts
-        tau = trial.columns["tau"]
-        torque = np.column_stack([np.interp(fine, np.arange(n), column) for column in tau.T])
-    ref = trial.columns.get("ref", np.zeros((n, arm.n_joint)))[held]
-    dq, drives = trial.columns.get("dq"), drives_of(trial.columns)
-    motion = simulate(
-        arm,
-        ref,
-        dt_s / parts,
-        q0,
-        None if dq is None else dq[0],
-        "paper" if scheme == "paper" else "rk4",
-        torque,
-        t0_s,
-        identity,
-        None if drives is None else drives.rows(held),
-    )
-    own = Motion(*(getattr(motion, name)[::parts] for name in ("t", "q", "dq", "ddq", "tau", "ref")))
-    return own, tip_of(arm, motion)[::parts]

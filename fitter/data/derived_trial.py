@@ -2,8 +2,9 @@
 
 import numpy as np
 
+from arm.drive_state import drives_of
 from fitter.data.derivatives import differentiate, lowpass
-from fitter.data.drives import drives_of, let_go
+from fitter.data.drives import let_go
 from fitter.data.jumps import midway_at_jumps
 from fitter.data.plausibility.saturated import CONTRADICTED
 from fitter.data.resample import Uniform

@@ -1,30 +1,13 @@
-"""The columns of the drives: whether they are engaged, and gains of a trial's own."""
+"""What the column of a drive that is let go makes of its torque."""
 
 from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.drive_state import DriveState
 from limbcal.note import Note
-from protocol.tables.columns import DRIVE_ROLES
 
 Floats = NDArray[np.float64]
-
-
-def drives_of(columns: Mapping[str, Floats]) -> DriveState | None:
-    """Return the state of the drives that some columns say; None where they say no more than ``[control]`` does.
-
-    Parameters
-    ----------
-    columns : mapping of str to ndarray of shape (n_sample, n_joint)
-        By role; ``on``, ``kp`` and ``kv`` count, where there are any.
-    """
-    on, kp, kv = (columns.get(role) for role in DRIVE_ROLES)
-    if kp is None and kv is None and (on is None or bool(on.all())):
-        return None
-    shape = next(values.shape for values in (on, kp, kv) if values is not None)
-    return DriveState(np.ones(shape, dtype=np.bool_) if on is None else on > 0.5, kp, kv)
 
 
 def let_go(columns: Mapping[str, Floats], where: str) -> tuple[dict[str, Floats], tuple[Note, ...]]:

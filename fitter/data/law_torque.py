@@ -3,10 +3,9 @@
 import numpy as np
 
 from arm.control import control_torque
-from arm.drive_state import KA, KP, KV
+from arm.drive_state import KA, KP, KV, drives_of
 from arm.model import Control, Floats
 from fitter.data.derivatives import lowpass
-from fitter.data.drives import drives_of
 from fitter.data.trial import Trial
 from limbcal.errors import DataError
 

@@ -9,7 +9,6 @@ from numpy.typing import NDArray
 
 from arm.effects.trials import TrialId, trial_id
 from fitter.data.felt import Felt
-from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables import stamps
 from protocol.tables.columns import JOINT_ROLES, TIP_ROLES, ColumnMap
@@ -94,10 +93,12 @@ class Measured:
         return replace(part, piece_of=self.piece_of or self.name)
 
 
-def trial_column(trials: Sequence[Measured]) -> list[int]:
-    """Return what stands in the ``trial`` column for each: their numbers where these differ, else their places."""
-    numbers = [trial.identity(place).number for place, trial in enumerate(trials, 1)]
-    return numbers if len(set(numbers)) == len(numbers) else list(range(1, len(trials) + 1))
+def trial_column(trials: Sequence[Measured]) -> list[int] | list[str]:
+    """Return what stands in the ``trial`` column for each: their labels where these differ, else their places."""
+    labels = [trial.label for trial in trials]
+    if not all(labels) or len(set(labels)) < len(labels):
+        return list(range(1, len(trials) + 1))
+    return [int(label) for label in labels] if all(map(str.isdecimal, labels)) else labels
 
 
 def read_motions(
@@ -162,15 +163,9 @@ def read_file(
 
 
 def from_table(table: Table, path: Path, name: str) -> Measured:
-    """Return rows of a table as a motion.
-
-    Raises
-    ------
-    DataError
-        If a drive is neither engaged nor let go.
-    """
+    """Return rows of a table as a motion."""
     columns = {role: values for role, values in table.groups.items() if role != "t"}
-    motion = Measured(
+    return Measured(
         name,
         str(path),
         table.first_row,
@@ -180,22 +175,6 @@ def from_table(table: Table, path: Path, name: str) -> Measured:
         labels=table.labels,
         stated=table.stated,
     )
-    require_switches(motion)
-    return motion
-
-
-def require_switches(motion: Measured) -> None:
-    """Raise a DataError that names the row (from 1) where a drive is neither engaged (1) nor let go (0)."""
-    on = motion.columns.get("on")
-    if on is None:
-        return
-    wrong = (on != 0.0) & (on != 1.0)
-    if wrong.any():
-        row, joint = (int(place[0]) for place in np.nonzero(wrong))
-        raise DataError(
-            f"{motion.where}: on{joint + 1} in row {motion.first_row + row + 1} is {on[row, joint]:g}, expected 1 "
-            "where the drive is engaged and 0 where it is let go"
-        )
 
 
 def require_rising(motion: Measured) -> None:

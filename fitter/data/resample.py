@@ -14,7 +14,7 @@ from fitter.data.motions import Measured
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
 from protocol.tables.columns import DRIVE_ROLES
-from protocol.tables.stamps import HOLE_STEPS
+from protocol.tables.stamps import holes
 
 Floats = NDArray[np.float64]
 Curve = Callable[[Floats], Floats]
@@ -51,25 +51,23 @@ class Uniform:
 
 
 def split_at_holes(motion: Measured) -> list[Measured]:
-    """Part a motion where more than `HOLE_STEPS` steps are missing; what was not measured is not made up.
+    """Part a motion at holes, see `protocol.tables.stamps`; what was not measured is not made up.
 
     Pieces with fewer than `MINIMUM_SAMPLES` samples are left out, unless there is no other; the notes say so.
     """
-    steps = np.diff(motion.t)
-    if not len(steps):
+    rows = holes(motion.t)
+    if not rows.size:
         return [motion]
-    holes = np.flatnonzero(steps > HOLE_STEPS * np.median(steps))
-    if not holes.size:
-        return [motion]
-    bounds = [0, *(holes + 1).tolist(), len(motion.t)]
+    bounds = [0, *rows.tolist(), len(motion.t)]
     spans = [span for span in zip(bounds[:-1], bounds[1:], strict=True) if span[1] - span[0] >= MINIMUM_SAMPLES]
     if not spans:
         return split_at_leaps(motion)
-    before, after = float(motion.t[holes[0]]), float(motion.t[holes[0] + 1])
-    row = motion.first_row + int(holes[0]) + 2
+    before, after = float(motion.t[rows[0] - 1]), float(motion.t[rows[0]])
+    row = motion.first_row + int(rows[0]) + 1
     text = (
         f"in row {row} t goes from {before:.9g} to {after:.9g} s: "
-        f"parted at {holes.size} hole(s) of up to {steps[holes].max():.4g} s, {len(spans)} piece(s) kept"
+        f"parted at {rows.size} hole(s) of up to {np.diff(motion.t)[rows - 1].max():.4g} s, "
+        f"{len(spans)} piece(s) kept"
     )
     note = Note("gap", text, source=motion.where, columns=("t",), row=row, from_s=before, to_s=after)
     return [motion.piece(begin, end, k + 1, note) for k, (begin, end) in enumerate(spans)]

@@ -17,7 +17,7 @@ from protocol.tables.columns import ColumnMap, dimensions_of
 from protocol.tables.files import open_source
 from protocol.tables.reader import read_tables
 from protocol.tables.source import Source
-from protocol.tables.stamps import HOLE_STEPS, require_rising
+from protocol.tables.stamps import holes, require_rising
 from protocol.tables.table import Floats
 
 AXES = "xyz"
@@ -213,9 +213,7 @@ def _on_one_clock(found: Sequence[_Readings]) -> tuple[Floats, Floats, str]:
 
 def _unbroken(t: Floats) -> list[Span]:
     """Return from when to when stamps go on without a hole."""
-    steps = np.diff(t)
-    holes = np.flatnonzero(steps > HOLE_STEPS * np.median(steps))
-    begins, ends = np.append(0, holes + 1), np.append(holes, len(t) - 1)
+    begins, ends = np.append(0, holes(t)), np.append(holes(t) - 1, len(t) - 1)
     return [(float(t[begin]), float(t[end])) for begin, end in zip(begins, ends, strict=True)]
 
 

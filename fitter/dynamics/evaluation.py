@@ -6,13 +6,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 import scipy
 
+from arm.drive_state import drives_of
 from arm.effects.effect_table import changed
 from arm.effects.resisting_torque import resisting_torque
 from arm.model import Arm, Floats
 from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
-from fitter.data.drives import drives_of
 from fitter.data.standstill import REST_SPEED
 from fitter.data.torque_target import target_of, torque_target
 from fitter.data.trial import Trial

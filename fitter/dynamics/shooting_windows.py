@@ -10,9 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from arm.drive_state import DriveState, unchanging
+from arm.drive_state import DriveState, drives_of, unchanging
 from arm.model import Arm, Control, Floats
-from fitter.data.drives import drives_of
 from fitter.data.torque_target import has_unknown_target, target_holds_from, target_of, torque_target
 from fitter.data.trial import Trial
 

@@ -92,6 +92,9 @@ def _mistakes(arguments: argparse.Namespace, suffix: str) -> Iterator[str]:
     if suffix not in RATES_HZ:
         yield f"--out {arguments.out}: the suffix is {suffix!r}, expected one of {', '.join(RATES_HZ)}"
         return
+    read = (arguments.source, arguments.reference, arguments.twin)
+    if any(name is not None and Path(name).resolve() == arguments.out.resolve() for name in read):
+        yield f"--out {arguments.out}: this file is read, and one trial would take its place; expected another"
     most = MAX_GIF_HZ if suffix == ".gif" else MAX_RATE_HZ
     rate_hz = _rate_hz(arguments, suffix)
     if suffix == ".gif" and 0.0 < rate_hz < MIN_GIF_HZ:

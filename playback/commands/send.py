@@ -2,6 +2,7 @@
 
 import argparse
 from collections.abc import Mapping
+from pathlib import Path
 
 import zmq
 
@@ -10,6 +11,7 @@ from limbcal.errors import ConfigError
 from playback.client import ask
 from playback.commands.serve import DEFAULT_CONTROL
 from playback.control_message import COMMANDS, Request, Value
+from protocol.curve import load_client_key
 
 #: When an answer is given up [ms].
 TIMEOUT_MS = 5000
@@ -31,14 +33,16 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     parser.add_argument(
         "--control", default=DEFAULT_CONTROL, metavar="E", help=f"where playback listens ({DEFAULT_CONTROL})"
     )
+    parser.add_argument("--key", type=Path, metavar="FILE", help="client's key, where playback asks for one")
     parser.set_defaults(action=send)
 
 
 def send(arguments: argparse.Namespace) -> None:
     """Print the reply; one that says no is an error."""
     request = Request(arguments.cmd, _value(arguments))
+    key = None if arguments.key is None else load_client_key(arguments.key)
     with zmq.Context() as context:
-        reply = ask(context, arguments.control, request, TIMEOUT_MS)
+        reply = ask(context, arguments.control, request, TIMEOUT_MS, key)
     if arguments.json:
         emit(to_json(reply))
     if not reply["ok"]:

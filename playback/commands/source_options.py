@@ -76,13 +76,13 @@ def _open(arguments: argparse.Namespace) -> Source:
         if arm is None:
             raise ConfigError("--arm is missing: --reference needs the arm that is to be simulated")
         return simulated_source(reference, load_arm(arm), arguments.columns)
-    source = _stored(path, arm, arguments.columns)
+    source = _stored(path, arm, arguments.columns, twin is not None)
     if twin is None:
         return source
     return with_twin(source, twin, path if reference is None else reference, say, arguments.columns)
 
 
-def _stored(path: Path, arm: str | None, columns: str | None) -> Source:
+def _stored(path: Path, arm: str | None, columns: str | None, beside_twin: bool) -> Source:
     if path.suffix.lower() == ".mcap":
         return recording_source(path, None if arm is None else load_arm(arm))
     if path.suffix.lower() not in TABLES:
@@ -90,4 +90,4 @@ def _stored(path: Path, arm: str | None, columns: str | None) -> Source:
         raise ConfigError(f"{path}: the suffix is {path.suffix!r}, expected one of {expected}")
     if arm is None:
         say(f"no --arm given: tip and points are those of {DEFAULT_ARM}")
-    return file_source(path, load_arm(arm or DEFAULT_ARM), columns)
+    return file_source(path, load_arm(arm or DEFAULT_ARM), columns, beside_twin)

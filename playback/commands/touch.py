@@ -108,18 +108,20 @@ def touch(arguments: argparse.Namespace) -> Document:
                 stack.callback(lambda: summary.update(hand=hand.close()))
                 hand.start()
             notify(READY=1, STATUS=f"touching {arm.name} on {process.haptic}")
-            _watch(process, seconds)
+            _watch(process, hand, seconds)
     except KeyboardInterrupt:  # a stop that was asked for still has an answer
         say("stopped")
     return {"arm": arm.name, "endpoint": process.endpoint, "haptic": process.haptic, **summary}
 
 
-def _watch(process: TouchProcess, seconds: float) -> None:
+def _watch(process: TouchProcess, hand: VirtualHand | None, seconds: float) -> None:
     """Say once a second how it goes, until it is time."""
     end_s = time.monotonic() + seconds
     while (left_s := end_s - time.monotonic()) > 0.0:
         time.sleep(min(_HEARTBEAT_S, left_s))
         health = process.wait_health()
+        if hand is not None:
+            hand.check()
         notify(WATCHDOG=1, STATUS=_words(health))
         say(_words(health))
 
@@ -128,6 +130,8 @@ def _words(health: dict[str, Any]) -> str:
     late, step, energy = health["lateness_ms"], health["step_us"], health["energy_J"]
     held = f"{health['force_N']:.2f} N" if health["connected"] else "nobody touches it"
     balance = "passive" if energy["passive"] else "NOT passive"
+    if health["resets"]:
+        balance += f", ran away {health['resets']} time(s) and was put back: expected gains that go with the step"
     return (
         f"{health['held_rate_hz']:.2f} Hz, late p99 {late['p99'] or 0.0:.3f} ms (max {late['max'] or 0.0:.3f}), "
         f"step p99 {step['p99'] or 0.0:.0f} us, {health['stiffness_N_m']:.0f} N/m, {held}, {balance}"

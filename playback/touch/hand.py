@@ -8,6 +8,7 @@ import json
 import math
 import signal
 import time
+from contextlib import suppress
 from dataclasses import dataclass
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
@@ -109,12 +110,29 @@ class VirtualHand:
         if "failed" in said:
             raise DeviceError(f"the virtual hand failed: {said['failed']}")
 
+    def check(self) -> None:
+        """Look whether it still moves.
+
+        Raises
+        ------
+        DeviceError
+            If it does not, with what it said last.
+        """
+        if self._line is None or not self._line.poll():
+            return
+        try:
+            self._summary = json.loads(self._line.recv_bytes())
+        except (EOFError, OSError):
+            self._summary = {"failed": "it is gone"}
+        raise DeviceError(f"the virtual hand failed: {self._summary.get('failed')}")
+
     def close(self) -> dict[str, Any]:
         """End it and return what it has to tell; harmless when repeated."""
         if self._line is None:
             return self._summary
-        try:
+        with suppress(OSError):  # it is gone, but may have said why
             self._line.send_bytes(b"stop")
+        try:
             while self._line.poll(_STOP_S):
                 self._summary = json.loads(self._line.recv_bytes())
         except (EOFError, OSError):

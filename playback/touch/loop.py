@@ -99,20 +99,20 @@ class TouchLoop:
         now_s = self.pace.now_s
         heard, answers, hand = self._hear(now_s), [], None
         holder = self._holders.holder(now_s)
+        if self._holder not in (None, holder):  # it fell silent, or another's touch has begun
+            self.arm.let_go()
+            self._holder = None  # until whoever holds it now is heard, and takes hold
         for item in heard:
             assert isinstance(item.said, Input)
             if item.envelope[0] == holder:
                 hand = self._grasp(holder, item.said)
             answers.append((item, item.envelope[0] == holder))
-        if holder is None and self._holder is not None:
-            self.arm.let_go()
-        self._holder = holder
         n_step = min(passed, MOST_STEPS)
         self._lost_steps += passed - n_step
         begin = time.perf_counter()
         self.arm.step(n_step, hand, sampled_interval(self._interval_s, self._loop_s))
         self._steps.add(time.perf_counter() - begin)
-        if not math.isfinite(float(self.arm.state.sum())):
+        if not math.isfinite(float(self.arm.state.sum() + self.arm.felt.sum())):
             self._run_away()
         for item, holds in answers:
             self._channel.answer(item.envelope, self._felt(item.said.seq, holds))
@@ -191,7 +191,7 @@ class TouchLoop:
         grip, hand = Grip(joint, point), Hand(said.position, said.velocity, said.orientation)
         if holder != self._holder or grip != self._grip:
             self.arm.take(grip, hand)
-            self._grip = grip
+            self._grip, self._holder = grip, holder
             self._interval_s, self._window_inputs = self._loop_s, 0
             self._window_s, self._window_ticks = self.pace.now_s, 0
         return hand

@@ -12,8 +12,9 @@ from multiprocessing.connection import Connection
 import numpy as np
 import zmq
 
+from arm.possible import why_it_runs_away
 from limbcal.compilation import said_when_compiling
-from limbcal.errors import LimbcalError
+from limbcal.errors import DataError, LimbcalError
 from limbcal.real_time import TOUCH, ask_for_real_time
 from playback.touch.grip import Hand
 from playback.touch.loop import Setup, TouchLoop
@@ -26,10 +27,19 @@ _LOOK_S = 0.02
 
 
 def warmed_up(setup: Setup) -> TouchedArm:
-    """Return an arm that has been held, turned and let go: every kernel is compiled."""
+    """Return an arm that has been held, turned and let go: every kernel is compiled.
+
+    Raises
+    ------
+    DataError
+        If it does not get through one step, as an arm without masses.
+    """
     with said_when_compiling("limbplay touch"):
         touched = TouchedArm(setup.arm, np.array(setup.q0), 1.0 / setup.rate_hz, setup.coupling)
         hand = Hand(touched.touched_point(touched.tip), None, np.eye(3))
+        touched.step(1)
+        if not np.isfinite(touched.state).all():
+            raise DataError(f"arm {setup.arm.name!r} runs away to infinity at once: {why_it_runs_away(setup.arm)}")
         touched.take(touched.tip, hand)
         for _ in range(3):
             touched.step(2, hand)

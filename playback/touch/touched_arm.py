@@ -8,7 +8,8 @@ from arm.chain import chain_of
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
 from arm.effects.effect_table import changed, effect_table
-from arm.effects.joint_numbers import DELAY
+from arm.effects.joint_numbers import DELAY, ROTOR
+from arm.effects.payload import with_load
 from arm.model import Arm, Floats
 from arm.newton_euler import bias_torque, mass_matrix, poses
 from arm.outer_wrench import point_motion
@@ -17,7 +18,7 @@ from arm.way_before import set_way
 from limbcal.errors import ConfigError, DataError
 from playback.touch import coupling as c
 from playback.touch.grip import Grip, Hand
-from playback.touch.limit import Coupling, mass_limit
+from playback.touch.limit import UNBOUND, Coupling, mass_limit
 from playback.touch.memory import Memory
 from playback.touch.rotation import turned_between
 from playback.touch.tick import tick
@@ -71,7 +72,7 @@ class TouchedArm:
         self.state = parts.state
         self._held_s = self._unheard_s = 0.0
         self._turned: Floats | None = None
-        self._follows = math.inf, math.inf
+        self._follows = UNBOUND, UNBOUND
         self._within_s = 0.0
         self._grown = False
         friction_alone(self._chain, self._effects, self._room)
@@ -121,8 +122,8 @@ class TouchedArm:
         if self._own_law is not None:
             self._law[:], self._drive[:] = self._own_law, target
         else:  # every joint as if it were alone, critically damped; the weight is carried
-            inertia = np.diag(mass_matrix(self.arm, target)[0])
-            weight = bias_torque(self.arm, target[None], np.zeros((1, self.arm.n_joint)))[0]
+            inertia = np.diag(self._mass_matrix(target))
+            weight = bias_torque(self._loaded(), target[None], np.zeros((1, self.arm.n_joint)))[0]
             self._law[0], self._law[1] = inertia * _HOLD_RAD_S**2, -2.0 * inertia * _HOLD_RAD_S
             self._law[2] = 0.0
             self._drive[:] = target + weight / self._law[0]
@@ -249,16 +250,27 @@ class TouchedArm:
             x[c.WALL_STIFFNESS] = share * (given.wall_stiffness or 0.0)
 
     def _limits(self) -> None:
-        """Find out which stiffness the arm's step can follow at the touched point."""
+        """Find out which stiffness and damping the arm's step can follow at the touched point."""
         t, n = self._touch, self.arm.n_joint
         J = np.empty((2, 3, n))
         axes, moving = np.empty((3, 3)), np.empty((3, 3))
         for i, unit in enumerate(np.eye(n)):
             point_motion(self._chain, self._room.R, self._room.p, unit, t.joint[0], t.point, axes, moving)
             J[:, :, i] = moving[1:]
-        mobility = J @ np.linalg.solve(mass_matrix(self.arm, self.state[0])[0], J.transpose(0, 2, 1))
+        M = self._mass_matrix(self.state[0]) - np.diag(self._law[2])  # eq. (6): ka ddq belongs with M ddq
+        mobility = J @ np.linalg.solve(M, J.transpose(0, 2, 1))
         light, easy = (max(float(np.linalg.eigvalsh(part)[-1]), 1e-12) for part in mobility)
         self._follows = mass_limit(1.0 / light, self.step_s), mass_limit(1.0 / easy, self.step_s)
+
+    def _mass_matrix(self, q: Floats) -> Floats:
+        """Return that of the links, of what the arm carries now, and of rotors."""
+        return np.asarray(mass_matrix(self._loaded(), q)[0] + np.diag(self._effects.numbers[ROTOR]))
+
+    def _loaded(self) -> Arm:
+        """Return the arm with what it carries now."""
+        since_s, mass_kg = self._effects.payload.T
+        load_kg = float(mass_kg[since_s <= self._clock[0]].sum())
+        return with_load(self.arm, load_kg) if load_kg else self.arm
 
     def _fitting(self, q: Floats) -> Floats:
         q = np.asarray(q, dtype=np.float64)

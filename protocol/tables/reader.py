@@ -11,6 +11,7 @@ from protocol.tables.columns import JOINT_ROLES, Address, ColumnMap, dimensions_
 from protocol.tables.files import open_source
 from protocol.tables.roles import Plan, find_roles, no_column
 from protocol.tables.source import Rows, Source
+from protocol.tables.switches import require_switches
 from protocol.tables.table import Table
 
 
@@ -51,14 +52,14 @@ def read_tables(
     Raises
     ------
     DataError
-        If a column is missing or does not fit, or there is no row.
+        If a column is missing or does not fit, a drive is neither engaged nor let go, or there is no row.
     """
     source = open_source(path)
     plan = find_roles(source, n_joint, mapping, required, vectors or {}, joint_roles)
     _require_time(source, plan, rate_hz)
     tables: list[Table] = []
     for rows in source.read(plan.columns, plan.label):
-        tables.append(_table(rows, plan, 0, rate_hz))
+        tables.append(_table(rows, plan, 0, rate_hz, str(path)))
     if not all(len(table.groups["t"]) for table in tables):
         raise DataError(f"{path}: there is a header but no row, expected samples")
     notes = (*source.notes, *plan.notes, *_clock_notes(source, plan))
@@ -81,7 +82,7 @@ def read_table_blocks(
         return
     first = 0
     for part in source.blocks(plan.columns, plan.label, rows):
-        table = _table(part, plan, first, rate_hz)
+        table = _table(part, plan, first, rate_hz, str(path))
         n = len(table.groups["t"])
         if n:
             notes = () if first else (*source.notes, *plan.notes, *_clock_notes(source, plan))
@@ -97,13 +98,15 @@ def _require_time(source: Source, plan: Plan, rate_hz: float | None) -> None:
         raise no_column(source, Address("t", "t", asked=False, dimensions=dimensions_of("t")), expected=expected)
 
 
-def _table(rows: Rows, plan: Plan, first: int, rate_hz: float | None) -> Table:
+def _table(rows: Rows, plan: Plan, first: int, rate_hz: float | None, where: str) -> Table:
     groups = dict(rows.groups)
     n = len(next(iter(groups.values())))
     groups |= {role: sums.of(groups.get(role, np.empty((n, 0)))) for role, sums in plan.sums.items()}
     if "t" not in groups:
         counted = np.arange(first, first + n, dtype=np.float64)[:, None]
         groups["t"] = counted / (rate_hz or 1.0) if plan.step_s is None else plan.step_s * counted
+    if "on" in groups:
+        require_switches(groups["on"], where, first)
     return Table(groups, plan.names, rows.labels, first_row=first)
 
 

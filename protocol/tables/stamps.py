@@ -41,6 +41,25 @@ def require_seconds(t: Floats, where: str, option: str = "--columns t=t") -> Non
     )
 
 
+def holes(t: Floats) -> NDArray[np.intp]:
+    """Return the rows before which more than `HOLE_STEPS` of the usual steps are missing.
+
+    Parameters
+    ----------
+    t : ndarray of shape (n,)
+        Rising time stamps [s].
+
+    Returns
+    -------
+    rows : ndarray of int
+        The first rows after holes, rising; 0 is never one of them.
+    """
+    steps = np.diff(t)
+    if not steps.size:
+        return np.empty(0, dtype=np.intp)
+    return np.flatnonzero(steps > HOLE_STEPS * np.median(steps)) + 1
+
+
 def leaps(t: Floats) -> NDArray[np.intp]:
     """Return the rows before which time leaps: by more than all that was measured takes.
 
@@ -57,16 +76,14 @@ def leaps(t: Floats) -> NDArray[np.intp]:
     rows : ndarray of int
         The first rows after leaps, rising; 0 is never one of them.
     """
+    rows = holes(t)
+    if not rows.size:
+        return rows
     steps = np.diff(t)
-    if not steps.size:
-        return np.empty(0, dtype=np.intp)
-    is_hole = steps > HOLE_STEPS * np.median(steps)
-    holes = np.flatnonzero(is_hole)
-    if not holes.size:
-        return holes
-    ordered = holes[np.argsort(steps[holes], kind="stable")]
-    measured_s = float(steps[~is_hole].sum())
-    return np.sort(ordered[np.cumsum(steps[ordered]) > measured_s]) + 1
+    lasting = steps[rows - 1]
+    order = np.argsort(lasting, kind="stable")
+    measured_s = float(np.delete(steps, rows - 1).sum())
+    return np.sort(rows[order[np.cumsum(lasting[order]) > measured_s]])
 
 
 def trial_rows(labels: Labels | None, n: int, where: str, first_row: int = 0) -> list[tuple[str, int, int]]:

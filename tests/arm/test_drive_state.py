@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from arm.drive_state import DriveState
+from arm.drive_state import DriveState, drives_of
 from arm.model import Arm, Control, Effect, Friction, Joint, Link
 from arm.simulation import simulate
 from limbcal.errors import ConfigError, DataError
@@ -80,3 +80,21 @@ def test_what_does_not_fit_is_said():
         simulate(ARM, REF[:-1], STEP_S, Q0, drives=state())
     with pytest.raises(ConfigError, match="paper's scheme"):
         simulate(ARM, REF, STEP_S, Q0, scheme="paper", drives=state())
+
+
+def test_columns_that_say_nothing_new_are_no_state():
+    assert drives_of({"q": np.ones((5, 2))}) is None and drives_of({"on": np.ones((5, 2))}) is None
+    assert drives_of({"kp": np.ones((5, 2))}).on.all()
+
+
+def test_either_gain_or_a_switch_makes_a_state():
+    gain = np.full((3, 2), 4.0)
+    for role in ("kp", "kv"):
+        state = drives_of({"q": gain, role: gain})
+        assert state.on.all() and state.on.shape == (3, 2) and getattr(state, role) is gain
+        assert getattr(state, {"kp": "kv", "kv": "kp"}[role]) is None
+    on = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
+    state = drives_of({"on": on})
+    assert state.on.tolist() == [[True, False], [True, True], [False, True]] and state.kp is state.kv is None
+    assert drives_of({"on": np.ones((3, 2)), "kv": gain}).on.all()
+    assert not drives_of({"on": np.zeros((3, 2))}).on.any()

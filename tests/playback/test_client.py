@@ -1,6 +1,7 @@
 """One request and its reply, or a sentence in time."""
 
 import threading
+from pathlib import Path
 
 import pytest
 import zmq
@@ -8,6 +9,8 @@ import zmq
 from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from playback.client import ask
 from playback.control_message import Request, decode_request, encode_reply
+from playback.control_socket import ControlSocket
+from protocol.curve import gate_of, load_client_key, new_client
 from tests.patience import PATIENCE_MS
 
 ENDPOINT = "inproc://control"
@@ -40,7 +43,30 @@ def test_a_reply_is_what_was_answered(reply: bytes) -> None:
 
 def test_nobody_is_waited_for_longer_than_was_said() -> None:
     with zmq.Context() as context:
-        with pytest.raises(DeviceError, match=f"^control endpoint {ENDPOINT}: no answer within 0.005 s$"):
+        with pytest.raises(DeviceError, match=f"^control endpoint {ENDPOINT}: no answer within 0.005 s, expected"):
             ask(context, ENDPOINT, Request("play", None), 5)
         with pytest.raises(ConfigError):
             ask(context, "nowhere", Request("play", None), 5)
+
+
+def test_who_has_a_key_is_let_in_and_nobody_else(tmp_path: Path) -> None:
+    file = new_client(tmp_path / "keys", "desk", tmp_path / "desk.limbkey")
+    with zmq.Context() as context, gate_of(context, tmp_path / "keys") as gate:
+        socket = ControlSocket(context, "tcp://127.0.0.1:*", lambda _: encode_reply({}), gate)
+        over = threading.Event()
+
+        def serve() -> None:
+            while not over.is_set():
+                if socket.socket.poll(10):
+                    socket.serve()
+
+        thread = threading.Thread(target=serve)
+        thread.start()
+        try:
+            with pytest.raises(DeviceError, match="expected a `limbplay serve` there, and --key"):
+                ask(context, socket.endpoint, Request("state"), 50)
+            assert ask(context, socket.endpoint, Request("state"), PATIENCE_MS, load_client_key(file))["ok"]
+        finally:
+            over.set()
+            thread.join()
+            socket.close()

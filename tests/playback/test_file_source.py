@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from arm.model import Arm
 from limbcal.errors import ConfigError, DataError
 from playback.file_source import file_source
+from playback.player import Player
 from playback.source import Source
 
 
@@ -39,6 +40,16 @@ def test_three_rows_show_how_the_speed_changes(tmp_path: Path, arm: Arm) -> None
     path = tmp_path / "three.csv"
     path.write_text("t,q1,q2\n0,0,0\n1,1,2\n2,4,8\n", encoding="utf-8")  # t^2 and 2 t^2
     np.testing.assert_allclose(file_source(path, arm).load().dq, [[0.0, 0.0], [2.0, 4.0], [4.0, 8.0]])
+
+
+def test_a_frame_says_that_rows_are_missing_before_it(tmp_path: Path, arm: Arm, fake_time) -> None:
+    t = np.delete(np.arange(100) * 0.01, range(41, 60))
+    np.savez(tmp_path / "hole.npz", t=t, q1=t, q2=t)
+    player = Player(file_source(tmp_path / "hole.npz", arm), 100.0, fake_time.clocks)
+    player.play()
+    fake_time.now_s += 1.0
+    gaps = [frame["position_s"] for frame in iter(player.take_due, None) if frame["gap"]]
+    np.testing.assert_allclose(gaps, np.arange(41, 61) * 0.01)
 
 
 def test_two_rows_are_a_motion(tmp_path: Path, arm: Arm) -> None:

@@ -55,6 +55,30 @@ def test_a_leap_of_a_day_makes_two_trials(tmp_path: Path) -> None:
     assert note.kind == "gap" and note.row == 61 and note.to_s == pytest.approx(86400.6)
 
 
+def test_rows_that_are_missing_are_said(tmp_path: Path) -> None:
+    t = 5.0 + 0.01 * np.arange(100)
+    t = np.delete(t, [*range(20, 35), *range(60, 80)])
+    path = tmp_path / "holes.npz"
+    np.savez(path, t=t, q1=t, q2=t)
+    (note,) = read_trials(path, ARM, ["q"]).notes
+    assert note.kind == "gap" and note.row == 21 and note.from_s == pytest.approx(5.19)
+    assert note.text.startswith("in row 21 t goes from 5.19 to 5.35 s, and so 1 more time(s): rows are missing")
+
+
+@pytest.mark.parametrize("role", ["q", "ref"])
+@pytest.mark.parametrize(("name", "mapping", "asked"), [("", None, 1), ("_deg", None, 0), ("", ":rad", 0)])
+def test_angles_that_seem_to_be_degrees_are_asked_about(
+    tmp_path: Path, role: str, name: str, mapping: str | None, asked: int
+) -> None:
+    t, path = 0.01 * np.arange(200), tmp_path / "swing.npz"
+    np.savez(path, t=t, **{f"{role}{j}{name}": 60.0 * np.sin(3.0 * t + j) for j in (1, 2)})
+    columns = mapping and f"{role}={role}{{j}}{mapping}"
+    notes = [note for note in read_trials(path, ARM, [role], columns=columns).notes if "degrees?" in note.text]
+    assert [note.columns for note in notes] == asked * [(f"{role}1", f"{role}2")]
+    if asked:
+        assert f"{role}1 goes 120 rad to and fro at up to 179 rad/s: degrees? Then --columns" in notes[0].text
+
+
 @pytest.mark.parametrize(("scale", "unit"), [(1e3, "ms"), (1e6, "us"), (1e9, "ns")])
 def test_stamps_that_cannot_be_seconds_are_asked_about(tmp_path: Path, scale: float, unit: str) -> None:
     t = 0.01 * np.arange(100)

@@ -114,6 +114,19 @@ def test_what_is_sought_or_stepped_to_is_shown_at_once_and_once() -> None:
     assert head.take_due().position_s == 1.234
 
 
+def test_a_place_sought_just_before_a_pause_is_shown() -> None:
+    head, time = playing(50.0, 2.0)
+    time.now_s += 0.05
+    drain(head)
+    head.seek(1.234)
+    head.pause()
+    assert [frame.position_s for frame in drain(head)] == [1.234]
+    head.play()
+    drain(head)
+    head.pause()
+    assert drain(head) == [] and head.deadline_s() is None
+
+
 def test_the_end_can_be_sought_and_nothing_beyond_it() -> None:
     head, time = playing(10.0, 0.5)
     time.now_s += 10.0
@@ -124,6 +137,8 @@ def test_the_end_can_be_sought_and_nothing_beyond_it() -> None:
         with pytest.raises(ConfigError, match="expected 0 to 0.5"):
             head.seek(float(beyond))
         assert head.position_s == 0.5
+    with pytest.raises(ConfigError, match="position_s is 0.50000001, expected 0 to 0.5"):
+        head.seek(0.50000001)
     head.seek(0.3)  # back from the end: it is gone on from there, and not from the beginning
     drain(head)
     head.play()

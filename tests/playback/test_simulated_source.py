@@ -6,6 +6,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+from arm.effects.trials import TrialId
 from arm.model import Arm, Control, Effect
 from arm.simulation import GearedMotion, simulate
 from limbcal.errors import ConfigError, DataError
@@ -61,6 +62,32 @@ def test_it_starts_where_the_file_says(tmp_path: Path, arm: Arm) -> None:
     np.savez(path, t=t, ref1=ones, ref2=2 * ones)
     motion = simulated_source(path, arm).load()
     np.testing.assert_array_equal(motion.q[0], [1.0, 2.0])
+
+
+def test_an_effect_acts_by_the_clock_and_trial_of_the_file(tmp_path: Path, arm: Arm) -> None:
+    push = Effect("external_push", {"start_s": 10.1003, "duration_s": 0.1, "torque_N_m": 3.0}, (1,))
+    load = Effect("payload", {"mass_kg": 2.0, "trials": ["run/b"]})
+    acted = replace(arm, effects=(push, load))
+    path, t, labels = tmp_path / "run.npz", np.arange(400) * DT_S, np.repeat(["a", "b"], 400)
+    np.savez(path, t=np.tile(10.0 + t, 2), ref1=np.full(800, 0.4), ref2=np.zeros(800), trial=labels)
+    ref = np.tile([0.4, 0.0], (400, 1))
+    source, unmoved = simulated_source(path, acted), simulated_source(path, arm)
+    for number in (1, 2):
+        called = TrialId(number, f"run/{'ab'[number - 1]}")
+        known = simulate(acted, ref, DT_S, ref[0], t0_s=10.0, trial=called)
+        np.testing.assert_allclose(source.load(number).q, known.q, atol=1e-9)
+        assert np.abs(known.q - unmoved.load(number).q).max() > 1e-3
+    assert np.abs(source.load(1).q - source.load(2).q).max() > 1e-4  # only the second carries something
+
+
+def test_a_drive_of_the_file_that_is_let_go_gives_no_torque(tmp_path: Path, arm: Arm) -> None:
+    path, n = tmp_path / "let_go.npz", 100
+    columns = {"ref1": np.full(n, 0.5), "ref2": np.zeros(n), "q1": np.zeros(n), "q2": np.zeros(n)}
+    np.savez(path, t=np.arange(n) * DT_S, **columns, on1=np.zeros(n), on2=np.ones(n))
+    assert np.ptp(simulated_source(path, arm).load().q) < 1e-12
+    np.savez(path, t=np.arange(n) * DT_S, **columns, on1=np.full(n, 0.5), on2=np.ones(n))
+    with pytest.raises(DataError, match="on1 in row 1 is 0.5, expected 1 where the drive is engaged"):
+        simulated_source(path, arm)
 
 
 def test_a_sample_left_out_is_refused(reference: Path, arm: Arm) -> None:

@@ -8,7 +8,7 @@ import pytest
 
 from arm.arm_file import load_arm, save_arm
 from arm.kinematics import tip_position
-from arm.model import Arm
+from arm.model import Arm, Effect
 from arm.simulation import simulate
 from limbcal.errors import ConfigError, DataError
 from playback.file_source import file_source
@@ -90,6 +90,25 @@ def test_trials_that_only_one_has_are_left_out_and_said(real: Source, tmp_path: 
         with_twin(real, str(tmp_path / "other.npz"), None, print)
 
 
+@pytest.mark.parametrize("order", ["ab", "ba", "b", "cb"])
+def test_trials_are_paired_by_their_names(tmp_path: Path, order: str) -> None:
+    t = np.arange(50) * 0.01
+
+    def named(file: str, names: str) -> Path:
+        q = np.concatenate([(ord(name) - 96) * t for name in names])
+        path = tmp_path / file
+        np.savez(path, t=np.tile(t, len(names)), q1=q, q2=q, ref1=q, ref2=q, trial=np.repeat([*names], len(t)))
+        return path
+
+    real = file_source(named("real.npz", "ab"), load_arm("dd-arm"))
+    other = named("twin.npz", order)
+    stored, simulated = with_twin(real, str(other), None, print), with_twin(real, "dd-arm", other, print)
+    assert stored.trials == simulated.trials == ((1, 2) if "a" in order else (2,))
+    for trial in stored.trials:
+        np.testing.assert_array_equal(stored.twin.load(trial).q, real.load(trial).q)
+    assert f"2 is 'b' from row {1 + 50 * order.index('b')}" in stored.twin.notes[0].text
+
+
 def test_what_cannot_be_a_twin_is_refused(real: Source, measured: Path) -> None:
     with pytest.raises(ConfigError, match="has no targets; expected --reference FILE with ref1"):
         with_twin(real, "dd-arm", None, print)
@@ -150,3 +169,31 @@ def test_files_without_a_common_clock_begin_together_and_a_note_says_so(tmp_path
     assert note.kind == "clock" and "on no common clock: trials of both are begun together" in note.text
     assert "from 0 to 1.99 s in real.npz and from 100 to 101.99 s" in note.text
     assert both.twin.load(1).begin_s == 0.0
+
+
+@pytest.mark.parametrize("first", [0, 50])
+def test_a_twin_is_pushed_by_the_clock_of_its_targets(tmp_path: Path, first: int) -> None:
+    t = 10.0 + np.arange(200) * 0.01
+    push = Effect("external_push", {"start_s": 11.0, "duration_s": 0.2, "torque_N_m": 3.0}, (1,))
+    save_arm(replace(load_arm("dd-arm"), effects=(push,)), tmp_path / "pushed.toml")
+    real = file_source(written(tmp_path / "real.npz", t[first:]), load_arm("dd-arm"))
+    targets = written(tmp_path / "targets.npz", t, targets=True)
+    still, pushed = (
+        with_twin(real, arm, targets, print).twin for arm in ("dd-arm", str(tmp_path / "pushed.toml"))
+    )
+    places = t[first:] - t[first]
+    apart = np.abs(pushed.load(1).at(places)[0] - still.load(1).at(places)[0]).max(axis=1)
+    assert t[first:][apart > 1e-6][0] == pytest.approx(11.0, abs=0.011)
+
+
+def test_a_mapping_with_drives_is_that_of_the_twin(tmp_path: Path) -> None:
+    t = np.arange(200) * 0.01
+    path = written(tmp_path / "real.npz", t, targets=True)
+    columns = {name: np.load(path)[name] for name in ("t", "q1", "q2", "ref1", "ref2")}
+    np.savez(path, **columns, enabled1=0.0 * t, enabled2=0.0 * t)
+    mapping = "on=enabled{j}"
+    real = file_source(path, load_arm("dd-arm"), mapping, beside_twin=True)
+    q = with_twin(real, "dd-arm", path, print, mapping).twin.load(1).q
+    assert np.abs(q[-1] - q[0]).max() > 0.1  # nothing drives it, so it coasts on
+    with pytest.raises(DataError, match="'on' is mapped, but this command does not ask for the drive"):
+        file_source(path, load_arm("dd-arm"), mapping)

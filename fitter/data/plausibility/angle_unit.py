@@ -11,29 +11,24 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import (
-    EFFECTIVE_SAMPLES,
-    JOINT_RANGE,
-    JOINT_SPEED,
-    REACH_RATIO,
-    SI,
-    SURE,
-    WHEEL,
-    WHEEL_RANGE,
-    likely,
-    probabilities,
-)
 from fitter.data.plausibility.motion_sizes import (
     path_lengths,
     rate_ratio,
     reach,
-    top_speeds,
     torque_residual,
     turning,
 )
 from fitter.data.plausibility.refusal import Refusal
+from protocol.tables.magnitude import (
+    EFFECTIVE_SAMPLES,
+    REACH_RATIO,
+    SI,
+    SURE,
+    likely,
+    probabilities,
+)
+from protocol.tables.turning import DEGREE, top_speeds, turning_likelihood
 
-_DEGREE = np.pi / 180.0
 #: A given rate agrees with the slope of what it is of within this factor.
 _AGREES = 1.5
 #: A torque that is explained better than this, as a fraction of its power, is explained but for rounding.
@@ -63,11 +58,11 @@ def look(motion: Measured, arm: Arm) -> Measured:
     q = motion.columns["q"]
     ranges, speeds = np.ptp(q, axis=0), top_speeds(motion.t, q)
     scales = {
-        degrees: np.where(np.isin(np.arange(arm.n_joint), degrees), _DEGREE, 1.0) for degrees in _readings(joints)
+        degrees: np.where(np.isin(np.arange(arm.n_joint), degrees), DEGREE, 1.0) for degrees in _readings(joints)
     }
     weight = _by_torque(motion, arm, scales)
     for degrees, scale in scales.items():
-        weight[degrees] += _by_size(scale[joints] * ranges[joints], scale[joints] * speeds[joints])
+        weight[degrees] += turning_likelihood(scale[joints] * ranges[joints], scale[joints] * speeds[joints])
         weight[degrees] += _by_tip(motion, arm, scale[joints], joints)
     best = likely(weight, ())
     if best is None:
@@ -99,7 +94,7 @@ def _agree_with_rates(motion: Measured, joints: Sequence[int]) -> None:
         ratios = rate_ratio(motion, of, rate)
         if ratios is None:
             continue
-        for column, scale in ((of, 1.0 / _DEGREE), (rate, _DEGREE)):
+        for column, scale in ((of, 1.0 / DEGREE), (rate, DEGREE)):
             found = tuple(j for j in joints if 1.0 / _AGREES < abs(ratios[j]) * scale < _AGREES)
             if not found:
                 continue
@@ -111,17 +106,6 @@ def _agree_with_rates(motion: Measured, joints: Sequence[int]) -> None:
                 one, asked = found[0] + 1, _asked(column, found)
                 seen = f"the slope of {of}{one} is {ratio:.4g} times {rate}{one}: {asked} in degrees?"
             raise _refusal(motion, column, seen, found, joints)
-
-
-def _by_size(ranges: Floats, speeds: Floats) -> float:
-    """Return the log likelihood of ranges [rad] and top speeds [rad/s] of joints, of which some may be wheels."""
-    total = 0.0
-    for span, speed in zip(ranges.tolist(), speeds.tolist(), strict=True):
-        if span > 0.0:
-            limb = np.log(1.0 - WHEEL) + JOINT_RANGE.log_likelihood(span)
-            wheel = np.log(WHEEL) + WHEEL_RANGE.log_likelihood(span)
-            total += float(np.logaddexp(limb, wheel)) + JOINT_SPEED.log_likelihood(speed)
-    return total
 
 
 def _by_torque(motion: Measured, arm: Arm, scales: Mapping[Joints, Floats]) -> dict[Joints, float]:

@@ -4,18 +4,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.control import control_torque
+from arm.drive_state import drives_of
 from arm.model import Arm, Floats
 from arm.regressor import regressor
-from fitter.data.drives import drives_of
 from fitter.data.motions import Measured
 from protocol.tables.columns import DRIVE_ROLES
+from protocol.tables.turning import ROWS
 
-#: A table is thinned to about this many rows, each the mean of its neighbours: enough to compare units.
-_ROWS = 400
 #: Von Neumann's ratio from which on samples are independent rather than of one motion.
 _INDEPENDENT = 0.5
-#: Top speeds are this quantile of all, so that a single jump is none.
-_TOP = 0.95
 #: Correlation beyond which a rate is that of a joint, whatever its unit and sign: two thirds of the variance.
 _ALIKE = 0.8
 
@@ -39,21 +36,14 @@ def continuous(q: Floats) -> bool:
     return bool(not moves.any() or ratio.min() < _INDEPENDENT)
 
 
-def top_speeds(t: Floats, q: Floats) -> Floats:
-    """Return the top speed of every joint [rad/s or m/s], (n_joint,), single jumps left out."""
-    coarse = max(1, (len(t) - 1) // _ROWS)  # the resolution of an encoder is not a speed
-    speed = np.abs(np.diff(q[::coarse], axis=0)) / np.diff(t[::coarse])[:, None]
-    return np.asarray(np.quantile(speed, _TOP, axis=0), dtype=np.float64)
-
-
 def path_lengths(values: Floats) -> Floats:
     """Return how far columns move to and fro in all, (n_column,), their noise averaged out."""
     return np.asarray(np.abs(np.diff(thinned(values), axis=0)).sum(axis=0), dtype=np.float64)
 
 
 def thinned(values: Floats) -> Floats:
-    """Return means over blocks of rows, about `_ROWS` of them."""
-    block = max(1, len(values) // _ROWS)
+    """Return means over blocks of rows, about `ROWS` of them."""
+    block = max(1, len(values) // ROWS)
     n = len(values) // block
     return np.asarray(values[: n * block].reshape(n, block, *values.shape[1:]).mean(axis=1), dtype=np.float64)
 

@@ -5,9 +5,9 @@ import numpy as np
 from arm.accelerometer import specific_force
 from arm.model import Arm, Floats
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import Size, likely
 from fitter.data.plausibility.refusal import Refusal
 from fitter.data.sensor_files import AXES, gyro_axes, gyro_role
+from protocol.tables.magnitude import Size, likely
 
 #: Samples in which a sensor's rest is sought: the window that scatters least.
 _WINDOW = 32

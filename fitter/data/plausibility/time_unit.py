@@ -4,9 +4,10 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import JOINT_SPEED, RATE_HZ, SLIDE_SPEED, likely
-from fitter.data.plausibility.motion_sizes import rate_ratio, top_speeds, turning
+from fitter.data.plausibility.motion_sizes import rate_ratio, turning
 from fitter.data.plausibility.refusal import Refusal
+from protocol.tables.magnitude import JOINT_SPEED, RATE_HZ, SLIDE_SPEED, likely
+from protocol.tables.turning import top_speeds
 
 _UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "ns": 1e-9}
 _NAMES = {"ms": "milliseconds", "us": "microseconds", "ns": "nanoseconds"}

@@ -4,9 +4,9 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import REACH_RATIO, Size, likely
 from fitter.data.plausibility.motion_sizes import path_lengths, reach, turning
 from fitter.data.plausibility.refusal import Refusal
+from protocol.tables.magnitude import REACH_RATIO, Size, likely
 
 _UNITS = {"m": 1.0, "mm": 1e-3, "cm": 1e-2}
 #: Trackers and CAD give millimetres; one file in centimetres comes on some ten of them.

@@ -11,9 +11,9 @@ import numpy as np
 from arm.model import Arm, Floats
 from arm.regressor import regressor
 from fitter.data.motions import Measured
-from fitter.data.plausibility.magnitude import EFFECTIVE_SAMPLES
 from fitter.data.plausibility.motion_sizes import drawn_torque, thinned, turning
 from fitter.data.plausibility.refusal import Refusal
+from protocol.tables.magnitude import EFFECTIVE_SAMPLES
 
 #: Density of steel [kg/m³] (EN 1991-1-1).
 _STEEL = 7850.0

@@ -9,7 +9,9 @@ from arm.arm_file import load_arm, save_arm
 from arm.kinematics import tip_position
 from arm.model import Control, Effect
 from fitter.data.motion_file import write_motion
+from fitter.data.motions import read_motions
 from fitter.data.trials import load_trials
+from protocol.tables.columns import parse_mapping
 
 
 @pytest.fixture(scope="module")
@@ -64,6 +66,17 @@ def test_a_coarse_reference_is_simulated_finely(fitter, short_run, tmp_path):
     assert fitter("simulate", "--arm", "dd-arm", "--reference", coarse, "--out", out).code == 0
     truth = short_run.truth["q"][:27000:200]
     assert np.rad2deg(np.abs(angles(out) - truth)).max() < 3.0  # the target jumps at one of these samples
+
+
+@pytest.mark.parametrize("suffix", ["csv", "npz", "parquet"])
+def test_trials_keep_their_names(fitter, short_run, tmp_path, suffix):
+    targets, out = tmp_path / "targets.npz", tmp_path / f"motion.{suffix}"
+    columns = short_run.motion_columns([1, 2], 200, "dq", "ddq", "tau")
+    names = np.where(columns["trial"] == columns["trial"][0], "slow", "fast")
+    write_motion(targets, {**columns, "trial": names})
+    assert fitter("simulate", "--arm", "dd-arm", "--reference", targets, "--out", out).code == 0
+    found = read_motions(out, 2, parse_mapping(None, 2), None, ("q",))
+    assert [motion.name for motion in found] == ["motion/slow", "motion/fast"]
 
 
 def test_without_angles_it_starts_at_rest_at_the_target(fitter, short_run, tmp_path):

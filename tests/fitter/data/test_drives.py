@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Control
-from fitter.data.drives import drives_of, let_go
+from fitter.data.drives import let_go
 from fitter.data.law_torque import law_torque
 from fitter.data.motion_file import write_motion
 from fitter.data.motions import Measured
@@ -24,11 +24,6 @@ TAU = np.column_stack([np.cos(3.0 * T), np.ones(len(T))])
 def read(tmp_path, columns, **more):
     write_motion(tmp_path / "run.csv", {"t": T, **columns})
     return load_trials([tmp_path / "run.csv"], 2, **more)[0]
-
-
-def test_columns_that_say_nothing_new_are_no_state():
-    assert drives_of({"q": Q}) is None and drives_of({"on": np.ones((5, 2))}) is None
-    assert drives_of({"kp": np.ones((5, 2))}).on.all()
 
 
 def test_a_trial_carries_its_drives(tmp_path):
@@ -106,19 +101,6 @@ def test_trials_of_a_set_may_differ_in_everything(tmp_path):
         assert np.allclose(
             law_torque(Control("p", (9.0, 9.0)), trial), -0.5 * trial.drives.kp * trial.q, atol=2e-2
         )
-
-
-def test_either_gain_or_a_switch_makes_a_state():
-    gain = np.full((3, 2), 4.0)
-    for role in ("kp", "kv"):
-        state = drives_of({"q": gain, role: gain})
-        assert state.on.all() and state.on.shape == (3, 2) and getattr(state, role) is gain
-        assert getattr(state, {"kp": "kv", "kv": "kp"}[role]) is None
-    on = np.array([[1.0, 0.0], [1.0, 1.0], [0.0, 1.0]])
-    state = drives_of({"on": on})
-    assert state.on.tolist() == [[True, False], [True, True], [False, True]] and state.kp is state.kv is None
-    assert drives_of({"on": np.ones((3, 2)), "kv": gain}).on.all()
-    assert not drives_of({"on": np.zeros((3, 2))}).on.any()
 
 
 def test_each_joint_that_is_let_go_is_noted_with_its_torque():

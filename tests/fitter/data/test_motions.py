@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
-from fitter.data.motions import Measured, read_motions, require_switches, trial_column
+from fitter.data.motions import Measured, read_motions, trial_column
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.tables.columns import parse_mapping
@@ -90,27 +90,6 @@ def test_rows_of_a_motion_are_a_motion():
     assert replace(whole, labels=None).rows(0, 1, "one").labels is None
 
 
-@pytest.mark.parametrize(
-    ("on", "words"),
-    [
-        ([[1, 0], [0, 1]], ""),
-        ([[1, 2], [0, 1]], "on2 in row 8 is 2, expected 1"),
-        ([[1, 0], [-1, 0.5]], "on1 in row 9 is -1, expected 1"),
-        (
-            [[1, 0], [0, 0.5]],
-            "on2 in row 9 is 0.5, expected 1 where the drive is engaged and 0 where it is let go",
-        ),
-    ],
-)
-def test_a_drive_is_engaged_or_let_go(on, words):
-    motion = Measured("run", "run.csv", 7, np.arange(2.0), {"on": np.array(on, dtype=float)})
-    if words:
-        with pytest.raises(DataError, match=f"run.csv: {words}"):
-            require_switches(motion)
-    else:
-        require_switches(motion)
-
-
 def test_what_is_noted_of_a_file_is_said_with_its_first_trial(tmp_path):
     text = "t,q1_deg,trial\n0,90,a\n1,90,a\n0,180,b\n1,180,b\n"
     first, second = read(tmp_path, text, n_joint=1, columns="q1=q1_deg:deg")
@@ -132,12 +111,13 @@ def test_cells_of_a_file_are_counted_from_one(tmp_path):
     ("labels", "numbers", "column"),
     [
         (("3", "4"), [3, 4], [3, 4]),
-        (("a", "4"), [1, 4], [1, 4]),
+        (("a", "4"), [1, 4], ["a", "4"]),
+        (("push", "rest"), [1, 2], ["push", "rest"]),
         (("2", "2"), [2, 2], [1, 2]),
         (None, [1, 2], [1, 2]),
     ],
 )
-def test_trials_keep_their_numbers_where_these_differ(tmp_path, labels, numbers, column):
+def test_trials_keep_their_labels_where_these_differ(tmp_path, labels, numbers, column):
     trials = [
         Measured("m", "m.csv", 0, np.arange(2.0), {}, labels=labels and np.array([label, label]))
         for label in labels or (None, None)

@@ -131,6 +131,18 @@ def test_bounds_belong_to_what_is_allowed(
         assert noted["size"] == tuple(int(side) for side in options[1].split("x"))
 
 
+@pytest.mark.parametrize("option", [[], ["--twin"], ["--reference"]])
+def test_what_is_read_is_not_written_over(
+    option: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    path = tmp_path / "run.csv"
+    path.write_text("kept", encoding="utf-8")
+    assert main(["export", *option, "run.csv", "--arm", "dd-arm", "--out", str(path)]) == 2
+    assert "this file is read, and one trial would take its place; expected another" in capsys.readouterr().err
+    assert path.read_text(encoding="utf-8") == "kept"
+
+
 def test_two_mistakes_are_told_at_once(motion_file: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["export", str(motion_file), "--out", "a.csv", "--rate-hz", "0", "--speed", "0"]) == 2
     stderr = capsys.readouterr().err

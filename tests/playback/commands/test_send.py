@@ -111,3 +111,8 @@ def test_what_does_not_belong_together_is_not_sent(
 ) -> None:
     code, requests = asked(*arguments)
     assert (code, requests) == (2, []) and said in " ".join(capsys.readouterr().err.split())
+
+
+def test_a_key_that_is_not_there_is_said(asked: Asked, capsys: pytest.CaptureFixture[str]) -> None:
+    assert asked("state", "--key", "nowhere.limbkey") == (2, [])
+    assert "nowhere.limbkey" in capsys.readouterr().err

@@ -32,6 +32,7 @@ class Process:
         return {
             **{"held_rate_hz": 999.987, "lateness_ms": SPREAD, "step_us": SPREAD, "energy_J": {"passive": False}},
             **{"stiffness_N_m": 400.4, "connected": False, "force_N": 0.0, "real_time": False},
+            "resets": 0,
         }
 
     def wait_health(self) -> dict[str, Any]:
@@ -45,7 +46,7 @@ class Process:
                 "step_us": {"p99": 12.4},
                 "energy_J": {"passive": True},
             },
-            **{"connected": True, "force_N": 2.345},
+            **{"connected": True, "force_N": 2.345, "resets": 3},
         }
 
     def close(self) -> dict[str, Any]:
@@ -59,6 +60,9 @@ class Hand:
         self.given = {"haptic": haptic, "rate_hz": rate_hz}
 
     def start(self) -> None:
+        pass
+
+    def check(self) -> None:
         pass
 
     def close(self) -> dict[str, Any]:
@@ -129,7 +133,7 @@ def test_once_a_second_it_says_how_it_goes(
     assert slept == [1.0, 0.5]
     said = capsys.readouterr().err
     nobody = "999.99 Hz, late p99 0.000 ms (max 0.000), step p99 0 us, 400 N/m, nobody touches it, NOT passive"
-    held = "999.99 Hz, late p99 0.123 ms (max 1.500), step p99 12 us, 400 N/m, 2.35 N, passive"
+    held = "999.99 Hz, late p99 0.123 ms (max 1.500), step p99 12 us, 400 N/m, 2.35 N, passive, ran away 3 time(s)"
     words = " ".join(said.split())
     assert words.index(nobody) < words.index(held)
     assert "real-time scheduling is not allowed here" in words

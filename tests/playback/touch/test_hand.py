@@ -1,12 +1,20 @@
 """The hand that is simulated: where it is wanted, and how a mass with a damper gets there."""
 
+import json
 import math
+import os
+from multiprocessing import Pipe
+from multiprocessing.connection import Connection
+from types import SimpleNamespace
+from typing import ClassVar
 
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from limbcal.errors import DeviceError
+from playback.touch import hand
 from playback.touch.hand import HandModel
 
 MODEL = HandModel()
@@ -81,3 +89,44 @@ def test_it_is_a_light_hand_that_holds_most_of_the_time() -> None:
 @pytest.mark.parametrize(("t", "touches"), [(0.0, True), (2.39, True), (2.4, False), (2.99, False), (3.01, True)])
 def test_it_lets_go_when_its_time_is_over(t: float, touches: bool) -> None:
     assert MODEL.wanted(t)[1] is touches
+
+
+@pytest.mark.parametrize("said", [b'{"failed": "the loop is gone"}', b""], ids=["says why", "says nothing"])
+def test_a_hand_that_has_failed_is_noticed_and_says_why(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
+    monkeypatch.setattr(hand, "get_context", lambda _: SimpleNamespace(Pipe=Pipe, Process=Ended))
+    failed = hand.VirtualHand("nowhere")
+    theirs = Ended.lines.pop()
+    failed.check()
+    if said:
+        theirs.send_bytes(said)
+    theirs.close()
+    with pytest.raises(DeviceError, match="the loop is gone" if said else "it is gone"):
+        failed.check()
+    assert failed.close() == (json.loads(said) if said else {"failed": "it is gone"})
+
+
+def test_what_a_hand_said_last_is_heard_though_it_is_gone(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(hand, "get_context", lambda _: SimpleNamespace(Pipe=Pipe, Process=Ended))
+    failed = hand.VirtualHand("nowhere")
+    theirs = Ended.lines.pop()
+    theirs.send_bytes(b'{"failed": "the loop is gone"}')
+    theirs.close()
+    assert failed.close() == {"failed": "the loop is gone"}
+
+
+class Ended:
+    """Stands for the process of a hand; its end of the line is the test's."""
+
+    lines: ClassVar[list[Connection]] = []
+
+    def __init__(self, target: object, args: tuple[Connection, ...], name: str) -> None:
+        self.lines.append(Connection(os.dup(args[0].fileno())))
+
+    def start(self) -> None:
+        pass
+
+    def join(self, timeout_s: float) -> None:
+        pass
+
+    def is_alive(self) -> bool:
+        return False

@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 
 from limbcal.errors import ConfigError
 from playback.touch.limit import (
+    Bound,
     Coupling,
     damping_needed,
     mass_limit,
@@ -49,24 +50,25 @@ def test_the_numbers_of_the_paper_of_colgate_and_schenkel() -> None:
 
 
 @UNHURRIED
-@given(DEVICE, st.floats(0.0, 1e5), st.floats(0.0, 60.0), INTERVAL)
+@given(DEVICE, st.floats(0.0, 1e5), st.floats(0.0, 60.0), INTERVAL, st.floats(1e-4, 10.0))
 def test_what_is_given_is_passive_and_no_more_than_asked(
-    device: float, stiffness: float, damping: float, interval_s: float
+    device: float, stiffness: float, damping: float, interval_s: float, mass: float
 ) -> None:
     asked = Coupling(stiffness, damping, device, wall=(0.0, 0.0, 2.0, 1.0))
-    given_ = asked.within(interval_s)
-    assert given_.stiffness <= stiffness
+    bound = mass_limit(mass, 1e-3)
+    given_ = asked.within(interval_s, bound)
+    assert given_.stiffness <= min(stiffness, bound.stiffness) and given_.damping <= bound.damping
     needed = damping_needed(given_.stiffness, given_.damping, interval_s)
     assert needed + given_.wall_stiffness * interval_s / 2.0 <= device * (1.0 + 1e-9)
     assert asked.wall == (0.0, 0.0, 1.0, 0.5)
-    slower = asked.within(2.0 * interval_s)
+    slower = asked.within(2.0 * interval_s, bound)
     assert slower.stiffness <= given_.stiffness
 
 
 def test_a_delay_costs_twice_its_length_and_a_light_arm_is_held_loosely() -> None:
     assert sampled_interval(1e-3, 1e-3) == pytest.approx(3e-3)
     light = Coupling(stiffness=1000.0).within(1e-3, mass_limit(1e-4, 1e-3))
-    assert light.stiffness == pytest.approx(100.0)
+    assert (light.stiffness, light.damping) == pytest.approx((100.0, 0.1))
 
 
 def test_every_mistake_is_said() -> None:
@@ -98,7 +100,7 @@ def test_turning_is_limited_by_itself() -> None:
     asked = Coupling(1.0, 1.0, 5.0, turn_stiffness=3.1, turn_damping=0.25, turn_device=4.0)
     given_ = asked.within(1.0)
     assert (given_.turn_stiffness, given_.turn_damping, given_.stiffness) == (3.1, 1.0, 1.0)
-    given_ = asked.within(1.0, inertia=2.5)
+    given_ = asked.within(1.0, inertia=Bound(2.5, 9.0))
     assert (given_.turn_stiffness, given_.turn_damping) == (2.5, 0.25)
     assert given_.stiffness == 1.0
 
@@ -113,7 +115,7 @@ def test_a_wall_gets_what_the_coupling_leaves(asked: float | None, given_: float
 def test_without_a_wall_none_is_stiff() -> None:
     assert Coupling(wall_stiffness=7.0).within(1e-3).wall_stiffness == 0.0
     assert damping_needed(0.0, 3.0, 1e-3) == 3.0
-    assert mass_limit(2.0, 0.5) == 8.0
+    assert mass_limit(2.0, 0.5) == (8.0, 4.0)
     assert wall_limit(1.0, 1.0, 2.0) == 0.0
 
 

@@ -91,6 +91,43 @@ def test_without_an_input_for_20_ms_there_is_no_force_on_hand_or_arm(driven: Dri
         assert driven.loop.arm.energy()["arm"] == work
 
 
+def test_whoever_held_an_arm_that_was_reset_takes_hold_anew(driven: Driven, own_context) -> None:
+    """A device that is slower than the loop is not heard in the tick after the command."""
+    with TouchDevice(own_context, driven.loop.haptic) as device:
+        tip = driven.loop.arm.touched_point(driven.loop.arm.tip)
+        for _ in range(300):
+            driven.hear(device, tip)
+        driven.loop._carry_out(Command("reset"))
+        for _ in range(3):
+            driven.tick()
+        assert not driven.loop.health()["connected"]
+        forces = [np.linalg.norm(driven.hear(device, tip + [0.0, 0.01, 0.0])["force"]) for _ in range(250)]
+        assert driven.loop.health()["connected"]
+        assert forces[0] < 0.05 * max(forces) and max(forces) > 1.0
+        assert np.isfinite(list(driven.loop.health()["energy_J"].values())).all()
+
+
+def test_a_device_that_is_left_alone_with_the_arm_takes_hold_of_it(driven: Driven, own_context) -> None:
+    haptic = driven.loop.haptic
+    with TouchDevice(own_context, haptic) as first, TouchDevice(own_context, haptic) as second:
+        tip = driven.loop.arm.touched_point(driven.loop.arm.tip)
+        elsewhere = tip + [0.3, 0.0, 0.0]
+        driven.hear(first, elsewhere)
+        for k in range(300):
+            assert driven.hear(second, tip)["holds"]
+            if k % 5 == 0:
+                assert not driven.hear(first, elsewhere)["holds"]
+        felt = []
+        driven.tick()
+        driven.tick()
+        while driven.loop.pace.ticks < 400:  # now the first is heard alone, in every fifth tick
+            answer = driven.hear(first, elsewhere)
+            felt += [np.linalg.norm(answer["force"])] if answer["holds"] else []
+            for _ in range(4):
+                driven.tick()
+        assert felt[0] < 0.01 * 0.3 * driven.loop.health()["stiffness_N_m"]  # a hand far off is no blow
+
+
 def test_a_late_tick_makes_up_for_those_it_missed_but_not_for_all_time(driven: Driven) -> None:
     driven.tick()
     driven.tick(late_s=5.3 * T)
@@ -109,6 +146,20 @@ def test_an_arm_that_runs_away_is_put_back(own_context) -> None:
             one.tick()
         assert one.loop.health()["resets"] > 0
         assert np.isfinite(one.loop.arm.felt).all()
+    finally:
+        one.loop.close()
+
+
+def test_no_hand_feels_an_arm_that_runs_away(own_context) -> None:
+    """With these gains velocities overflow in the force before they do in the arm."""
+    wild = replace(load_arm("dd-arm"), control=Control("pd", (400.0, 400.0), (-3167.85, -3167.85)))
+    one = Driven(own_context, wild, Coupling())
+    try:
+        with TouchDevice(own_context, one.loop.haptic) as device:
+            place = one.loop.arm.touched_point(one.loop.arm.tip) + [0.0, 0.02, 0.0]
+            for _ in range(30):
+                assert np.isfinite(one.hear(device, place)["force"]).all()
+        assert one.loop.health()["resets"] > 0
     finally:
         one.loop.close()
 

@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.model import Arm, Joint
 from playback.touch.limit import Coupling
 from playback.touch.loop import Setup
 from playback.touch.loop_process import be_loop, warmed_up
@@ -53,6 +54,12 @@ def test_it_says_where_it_is_reached_and_how_it_goes_until_told_to_stop() -> Non
     assert begun["health"]["rate_hz"] == 1000.0
     assert gc.isenabled()
     assert signal.getsignal(signal.SIGINT) == signal.getsignal(signal.SIGTERM) == signal.SIG_IGN
+
+
+def test_an_arm_without_masses_is_the_input_s_fault() -> None:
+    (said,) = answers(replace(SETUP, arm=Arm("hollow", (Joint(a_m=0.3), Joint(a_m=0.2)))))
+    assert (said["failed"], said["trace"]) == ("DataError", "")
+    assert said["sentence"].startswith("arm 'hollow' runs away to infinity at once: expected masses")
 
 
 def test_at_a_low_rate_it_looks_every_tick() -> None:

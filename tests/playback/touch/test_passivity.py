@@ -11,7 +11,7 @@ from arm.arm_file import load_arm
 from arm.model import Arm, Friction
 from arm.newton_euler import mass_matrix
 from playback.touch.grip import Hand
-from playback.touch.limit import Coupling, stiffness_limit, wall_limit
+from playback.touch.limit import UNBOUND, Bound, Coupling, stiffness_limit, wall_limit
 from playback.touch.touched_arm import TouchedArm
 
 T = 1e-3
@@ -21,7 +21,7 @@ B = 5.0
 class Reckless(Coupling):
     """A coupling that is given as it is asked for."""
 
-    def within(self, interval_s: float, mass: float = 0.0, inertia: float = 0.0) -> Coupling:
+    def within(self, interval_s: float, mass: Bound = UNBOUND, inertia: Bound = UNBOUND) -> Coupling:
         return self
 
 

@@ -7,7 +7,7 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import axis_frames
-from arm.model import Arm, Control, Effect, Friction
+from arm.model import Arm, Control, Effect, Friction, Joint, Link
 from arm.newton_euler import mass_matrix
 from arm.outer_wrench import touched_forward_dynamics
 from arm.simulation import simulate
@@ -277,6 +277,42 @@ def test_a_light_arm_is_held_as_stiffly_as_its_step_follows() -> None:
     turning = np.ones(2) @ inverse @ np.ones(2)  # both joints turn the tip about the same axis
     assert arm.given.stiffness == pytest.approx(1.0 / lightest / step_s**2)
     assert arm.given.turn_stiffness == pytest.approx(1.0 / turning / step_s**2)
+
+
+def test_a_rotor_is_felt_as_inertia_of_the_arm() -> None:
+    """Of a link without mass it is all that there is: at the tip it weighs its inertia over the length squared."""
+    rotor = Effect("rotor_inertia", {"inertia_kg_m2": 0.02}, (1,))
+    arm = TouchedArm(Arm("geared", (Joint(a_m=0.5),), effects=(rotor,)), np.zeros(1), T, Coupling(1e6, 1.0, 1e4))
+    x = arm.touched_point(arm.tip)
+    arm.take(arm.tip, Hand(x))
+    arm.step(1, Hand(x))
+    assert arm.given.stiffness == pytest.approx(0.02 / 0.5**2 / T**2)
+    arm.reset(np.zeros(1))
+    arm.hold(np.ones(1))  # critically damped at 2 Hz
+    arm.step(100)
+    left = (1.0 + 4.0 * np.pi * 0.1) * np.exp(-4.0 * np.pi * 0.1)
+    assert arm.state[0] == pytest.approx([1.0 - left], abs=1e-6)
+
+
+def test_an_arm_that_is_held_carries_its_payload() -> None:
+    hanging = replace(load_arm("dd-arm-vertical"), control=Control("measured"))
+    arm = TouchedArm(replace(hanging, effects=(Effect("payload", {"mass_kg": 2.0}),)), Q0, T, Coupling())
+    arm.hold()
+    arm.step(1000)
+    assert arm.state[0] == pytest.approx(Q0, abs=1e-9)
+
+
+@pytest.mark.parametrize("mass_kg", [1e-4, 1e-3, 1e-2])
+def test_a_light_arm_takes_a_strong_damper(mass_kg: float) -> None:
+    """Two rods of 5 cm, whose tip the hand leads round: a spring is stretched by 1 cm, and no blow is felt."""
+    rod = Link(mass_kg, (0.025, 0.0, 0.0), (0.0, *(2 * [mass_kg * 0.05**2 / 3.0]), 0.0, 0.0, 0.0))
+    arm = TouchedArm(Arm("light", 2 * (Joint(a_m=0.05, link=rod),)), Q0, T, Coupling(400.0, 20.0, 50.0, 1e3))
+    x = arm.touched_point(arm.tip)
+    arm.take(arm.tip, Hand(x))
+    for k in range(600):
+        arm.step(1, Hand(x + 0.01 * np.array([np.sin(0.01 * k), np.sin(0.013 * k), 0.0])))
+        assert np.linalg.norm(arm.felt) < 10.0
+    assert arm.energy()["passive"]
 
 
 @pytest.mark.parametrize(("ticks", "share"), [(50, 0.25), (100, 0.5), (200, 1.0), (300, 1.0)])

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from limbcal.errors import DataError
-from protocol.tables.stamps import HOLE_STEPS, leaps, require_rising, require_seconds, trial_rows
+from protocol.tables.stamps import HOLE_STEPS, holes, leaps, require_rising, require_seconds, trial_rows
 
 T = 0.001 * np.arange(4000)
 
@@ -25,6 +25,12 @@ def test_what_a_motion_bridges_is_no_leap():
     assert leaps(t).tolist() == []
     assert leaps(T[:0]).tolist() == leaps(T[:1]).tolist() == []
     assert leaps(T[:2]).tolist() == leaps(np.array([0.0, 1.0, 1e6])).tolist() == []
+
+
+def test_more_than_ten_missing_steps_are_a_hole():
+    t = np.delete(T[:100], [*range(20, 30), *range(60, 69)])  # ten rows are missing, and nine
+    assert holes(t).tolist() == [20]
+    assert holes(T[:0]).tolist() == holes(T[:2]).tolist() == holes(T).tolist() == []
 
 
 @given(

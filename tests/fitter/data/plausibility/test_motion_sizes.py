@@ -17,7 +17,6 @@ from fitter.data.plausibility.motion_sizes import (
     rate_ratio,
     reach,
     thinned,
-    top_speeds,
     torque_residual,
     turning,
 )
@@ -56,16 +55,6 @@ def test_one_joint_that_moves_on_is_enough() -> None:
 @pytest.mark.parametrize(("rows", "moves_on"), [(2, False), (3, True)])
 def test_two_samples_are_no_motion(rows: int, moves_on: bool) -> None:
     assert continuous(np.zeros((rows, 1))) == moves_on
-
-
-@pytest.mark.parametrize("rate_hz", [50.0, 10_000.0])
-def test_the_top_speed_is_neither_a_jump_nor_an_encoder_s_step(rate_hz: float) -> None:
-    t = np.arange(0.0, 4.0, 1.0 / rate_hz)
-    q = np.column_stack([2.0 * t, -0.5 * t])
-    if rate_hz > 1e3:
-        q = np.round(q / 1e-3) * 1e-3
-    q[len(t) // 2 :] += 30.0
-    assert top_speeds(t, q) == pytest.approx([2.0, 0.5], rel=0.15)
 
 
 def test_a_path_is_as_long_as_it_goes_to_and_fro() -> None:
@@ -166,16 +155,6 @@ def test_an_arm_reaches_as_far_as_its_lengths() -> None:
     arm = Arm("bent", (Joint(a_m=0.3, d_m=0.4), Joint(a_m=0.2), Joint("prismatic", d_m=-0.1)))
     assert reach(arm) == pytest.approx(0.5 + 0.2 + 0.1)
     assert reach(Arm("none", (Joint(),))) == 0.0
-
-
-@pytest.mark.parametrize(("rows", "coarse"), [(800, 1), (801, 2), (1201, 3)])
-def test_top_speeds_are_those_over_a_four_hundredth_of_the_table(rows: int, coarse: int) -> None:
-    """An encoder that steps by 1 every second sample goes half as fast over two; 95 in 100 are no faster."""
-    t = 0.5 * np.arange(float(rows))
-    q = np.stack([np.floor(np.arange(rows) / 2.0), np.arange(rows) ** 2.0], axis=1)
-    steps = np.abs(np.diff(q[::coarse], axis=0)) / (0.5 * coarse)
-    assert top_speeds(t, q) == pytest.approx(np.sort(steps, axis=0)[round(0.95 * (len(steps) - 1))], rel=2e-3)
-    assert top_speeds(t, q)[0] == {1: 2.0, 2: 1.0, 3: 4.0 / 3.0}[coarse]
 
 
 def test_a_joint_that_stands_has_no_speed_to_compare() -> None:

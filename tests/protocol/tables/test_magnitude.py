@@ -4,7 +4,7 @@ import math
 
 import pytest
 
-from fitter.data.plausibility.magnitude import (
+from protocol.tables.magnitude import (
     JOINT_RANGE,
     JOINT_SPEED,
     RATE_HZ,
