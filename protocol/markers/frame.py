@@ -15,7 +15,7 @@ _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 _USUAL_M = 0.5
 #: A whole body stands up along an axis in which it is this many times longer than in the others.
 _LONGER = 1.3
-#: A floor lies at zero: this part of the height may lie below it.
+#: A floor lies at zero: this part of the height may lie below it, and as much above it be without a marker.
 _BELOW = 0.1
 
 
@@ -91,21 +91,43 @@ def up_of(positions: np.ndarray, said: str) -> tuple[list[Note], str]:
     said : str
         Such as ``+z``; empty if the header says nothing.
     """
+    found = stands_along(positions, said)
+    if not found or not said or said == found:
+        return [], found or said
+    text = f"the header calls {said} up, but its markers stand along {found}: that is taken for up"
+    return [Note("up", text)], found
+
+
+def stands_along(positions: np.ndarray, said: str) -> str:
+    """Return the axis that points up by a person who stands, such as ``+z``; empty where none tells.
+
+    Somebody who is about as wide as tall, by arms that are held out or markers on the floor, does not contradict
+    the header's axis, and still tells its sign: the floor is where the markers reach zero.
+
+    Parameters
+    ----------
+    positions : (n_frame, n_marker, 3) [m]
+    said : str
+        What the header calls up; empty if it says nothing.
+    """
     seen = np.isfinite(positions).all(axis=2).sum(axis=1) > 1
     if not np.any(seen):
-        return [], said
+        return ""
     some = positions[seen]
     extents = np.nanmedian(np.nanmax(some, axis=1) - np.nanmin(some, axis=1), axis=0)
     order = np.argsort(extents)[::-1]
-    if extents[order[0]] < _LONGER * extents[order[1]]:
-        return [], said
     axis = int(order[0])
+    stands = bool(extents[axis] >= _LONGER * extents[order[1]])
+    if not stands and said and _LONGER * extents["xyz".index(said[1])] >= extents[axis]:
+        axis = "xyz".index(said[1])
+    elif not stands:
+        return ""
     low, high = np.nanquantile(some[:, :, axis], [0.0, 1.0])
     floor = _BELOW * (high - low)
-    if not (low > -floor or high < floor):  # the origin is in mid-air: nothing tells head from feet
-        return [], said
-    found = ("+" if low > -floor else "-") + "xyz"[axis]
-    if not said or said == found:
-        return [], found
-    text = f"the header calls {said} up, but its markers stand along {found}: that is taken for up"
-    return [Note("up", text)], found
+    if stands:
+        above, below = low > -floor, high < floor
+    else:
+        above, below = abs(low) < floor, abs(high) < floor
+    if not (above or below):  # the origin is in mid-air: nothing tells head from feet
+        return ""
+    return ("+" if above else "-") + "xyz"[axis]
