@@ -16,7 +16,7 @@ from fitter.body.stance import stance
 from fitter.body.start import BodyStart, initial_body
 from fitter.functional.disjoint import disjoint_parts
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.base_orientation import mirrored
+from fitter.limb.base_orientation import against_landmarks
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.disjoint_fits import disjoint_fits
 from fitter.limb.floating_base import floating_angles
@@ -96,7 +96,7 @@ def calibrate_body(
     bundle = fit_bundle(task, begin.geometry, markers, q, report)
     halves = disjoint_fits(task, bundle, trial, progress)
     found = _errors(where, task, bundle, n_part, halves)
-    notes = (*trials.notes, *mirrored(trials), *stand.notes, *begin.notes, *left_at_prior(task, found))
+    notes = (*trials.notes, *against_landmarks(trials), *stand.notes, *begin.notes, *left_at_prior(task, found))
     return BodyFit(arm, where, trials, begin, task, rows, bundle, found, tuple(dict.fromkeys(notes)))
 
 
