@@ -12,7 +12,7 @@ from arm.model import Body, Floats
 from fitter.body.body_fit import BodyFit
 from fitter.body.body_map import BodyLimbs, body_with_limbs
 from fitter.body.derived_body import derived_body
-from fitter.body.stance import stance
+from fitter.body.stance import bent_knees, stance
 from fitter.body.start import BodyStart, initial_body
 from fitter.functional.disjoint import disjoint_parts
 from fitter.functional.marker_set import MarkerSet
@@ -96,7 +96,16 @@ def calibrate_body(
     bundle = fit_bundle(task, begin.geometry, markers, q, report)
     halves = disjoint_fits(task, bundle, trial, progress)
     found = _errors(where, task, bundle, n_part, halves)
-    notes = (*trials.notes, *against_landmarks(trials), *stand.notes, *begin.notes, *left_at_prior(task, found))
+    knees = [limb.first + limb.where.centres["knee"] for limb in where.limbs if limb.is_leg]
+    bent = bent_knees(bundle.q[stand.rows[rows]][:, knees])
+    notes = (
+        *trials.notes,
+        *against_landmarks(trials),
+        *stand.notes,
+        *bent,
+        *begin.notes,
+        *left_at_prior(task, found),
+    )
     return BodyFit(arm, where, trials, begin, task, rows, bundle, found, tuple(dict.fromkeys(notes)))
 
 
