@@ -15,8 +15,8 @@ _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 _USUAL_M = 0.5
 #: A whole body stands up along an axis in which it is this many times longer than in the others.
 _LONGER = 1.3
-#: A floor lies at zero: this part of the height may lie below it, and as much above it be without a marker.
-_BELOW = 0.1
+#: A floor lies at zero: the lowest marker may be below it and above it by these parts of the height.
+_BELOW, _ABOVE = 0.1, 0.2
 
 
 def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], Unit]:
@@ -102,7 +102,8 @@ def stands_along(positions: np.ndarray, said: str) -> str:
     """Return the axis that points up by a person who stands, such as ``+z``; empty where none tells.
 
     Somebody who is about as wide as tall, by arms that are held out or markers on the floor, does not contradict
-    the header's axis, and still tells its sign: the floor is where the markers reach zero.
+    the header's axis, and still tells its sign: the floor is where the markers reach zero. An arm that is held out
+    is as long as that, but reaches no floor.
 
     Parameters
     ----------
@@ -123,11 +124,7 @@ def stands_along(positions: np.ndarray, said: str) -> str:
     elif not stands:
         return ""
     low, high = np.nanquantile(some[:, :, axis], [0.0, 1.0])
-    floor = _BELOW * (high - low)
-    if stands:
-        above, below = low > -floor, high < floor
-    else:
-        above, below = abs(low) < floor, abs(high) < floor
-    if not (above or below):  # the origin is in mid-air: nothing tells head from feet
+    above, below = (-_BELOW * (high - low) < end < _ABOVE * (high - low) for end in (low, -high))
+    if not (above or below):  # the origin is in mid-air, or somebody reaches out far from it
         return ""
     return ("+" if above else "-") + "xyz"[axis]

@@ -108,12 +108,12 @@ def _agreed_up(raws: Sequence[RawRecording], looked: Sequence[Looked]) -> list[L
     found = []
     for raw, one, own in zip(raws, looked, stances, strict=True):
         others = {up for other, up in zip(raws, stances, strict=True) if other.up == raw.up and up}
-        if own or not raw.up or len(others) != 1 or one.recording.up in others:
+        if own or len(others) != 1 or one.recording.up in others:
             found.append(one)
             continue
         up = others.pop()
-        said = f"the header calls {raw.up} up, but in other files of this call persons stand along {up}"
-        note = Note("up", f"{said}: that is taken for up here too")
+        said = f"the header calls {raw.up} up, but" if raw.up else "nothing tells which axis points up, but"
+        note = Note("up", f"{said} in other files of this call persons stand along {up}: taken for up here too")
         found.append(Looked(replace(one.recording, up=up), (*one.notes, note)))
     return found
 

@@ -85,6 +85,11 @@ def test_who_spreads_the_arms_still_has_the_floor_underfoot(sign):
     assert note.kind == "up" and found == true
 
 
-def test_arms_above_a_table_do_not_contradict_the_header():
+def test_an_arm_that_is_held_out_does_not_point_up():
+    along = np.random.default_rng(0).uniform(0.0, 1.0, (10, 30, 3)) * [0.7, 0.2, 0.3]
+    assert up_of(along + [0.4, 0.3, 1.0], "") == ([], "") and up_of(along - [1.1, 0.3, 1.0], "+z") == ([], "+z")
+
+
+def test_arms_below_the_origin_do_not_contradict_the_header():
     arms = np.random.default_rng(0).uniform(-1.0, -0.3, (10, 30, 3))
     assert up_of(arms, "+z") == ([], "+z")
