@@ -20,7 +20,7 @@ from fitter.limb.base_orientation import against_landmarks
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.disjoint_fits import disjoint_fits
 from fitter.limb.floating_base import floating_angles
-from fitter.limb.frame_choice import shares, thinned, usable_frames
+from fitter.limb.frame_choice import left_out, shares, thinned, usable_frames
 from fitter.limb.functional_error import systematic_std_m
 from fitter.limb.initial_geometry import PLACE_STD_M
 from fitter.limb.inverse_kinematics import follow, link_poses
@@ -100,6 +100,7 @@ def calibrate_body(
     bent = bent_knees(bundle.q[stand.rows[rows]][:, knees])
     notes = (
         *trials.notes,
+        *left_out(usable, recordings),
         *against_landmarks(trials),
         *stand.notes,
         *bent,

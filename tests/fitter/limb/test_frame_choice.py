@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from fitter.limb.frame_choice import COHERENCE_S, shares, thinned, usable_frames
+from fitter.limb.frame_choice import COHERENCE_S, left_out, shares, thinned, usable_frames
 from limbcal.errors import NotIdentifiable
+from protocol.markers.recording import MarkerRecording
 
 
 def observed(n=40, n_marker=5):
@@ -43,3 +44,13 @@ def test_a_trial_counts_as_its_duration_over_the_coherence_time_whatever_the_rat
 def test_frames_further_apart_than_the_coherence_time_count_fully():
     y, R, p = observed(6)
     assert shares(usable_frames(y, R, p, [np.arange(6) * 1.0])[0]).tolist() == [1.0] * 6
+
+
+def test_a_recording_without_a_usable_frame_is_said():
+    recordings = [MarkerRecording(f"of/{k}.trc", 100.0, (), np.zeros((5, 0, 3)), "m", "+z") for k in range(3)]
+    usable = np.ones(15, dtype=np.bool_)
+    usable[9] = False
+    assert left_out(usable, recordings) == ()
+    usable[5:10] = False
+    (note,) = left_out(usable, recordings)
+    assert note.kind == "left_out" and note.text.startswith("1.trc: no frame shows the base")
