@@ -15,7 +15,8 @@ _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 _USUAL_M = 0.5
 #: A whole body stands up along an axis in which it is this many times longer than in the others.
 _LONGER = 1.3
-#: A floor lies at zero: the lowest marker may be below it and above it by these parts of the height.
+#: A floor lies at zero: the lowest marker may be below it in any frame, and above it in the median one, by these
+#: parts of the height.
 _BELOW, _ABOVE = 0.1, 0.2
 
 
@@ -102,8 +103,8 @@ def stands_along(positions: np.ndarray, said: str) -> str:
     """Return the axis that points up by a person who stands, such as ``+z``; empty where none tells.
 
     Somebody who is about as wide as tall, by arms that are held out or markers on the floor, does not contradict
-    the header's axis, and still tells its sign: the floor is where the markers reach zero. An arm that is held out
-    is as long as that, but reaches no floor.
+    the header's axis, and still tells its sign: the floor is where the markers reach zero. An arm that moves is as
+    long as that, but does not stand on a floor.
 
     Parameters
     ----------
@@ -115,7 +116,7 @@ def stands_along(positions: np.ndarray, said: str) -> str:
     if not np.any(seen):
         return ""
     some = positions[seen]
-    extents = np.nanmedian(np.nanmax(some, axis=1) - np.nanmin(some, axis=1), axis=0)
+    extents = np.median(np.nanmax(some, axis=1) - np.nanmin(some, axis=1), axis=0)
     order = np.argsort(extents)[::-1]
     axis = int(order[0])
     stands = bool(extents[axis] >= _LONGER * extents[order[1]])
@@ -123,8 +124,9 @@ def stands_along(positions: np.ndarray, said: str) -> str:
         axis = "xyz".index(said[1])
     elif not stands:
         return ""
-    low, high = np.nanquantile(some[:, :, axis], [0.0, 1.0])
-    above, below = (-_BELOW * (high - low) < end < _ABOVE * (high - low) for end in (low, -high))
+    ends = np.array([np.nanmin(some[:, :, axis], axis=1), -np.nanmax(some[:, :, axis], axis=1)])
+    tall = -float(np.sum(np.median(ends, axis=1)))
+    above, below = (end.min() > -_BELOW * tall and np.median(end) < _ABOVE * tall for end in ends)
     if not (above or below):  # the origin is in mid-air, or somebody reaches out far from it
         return ""
     return ("+" if above else "-") + "xyz"[axis]
