@@ -81,7 +81,7 @@ def calibrate_body(
     names, links = tuple(m for m, _ in on), np.array([k for _, k in on], dtype=np.int64)
     y = np.stack([trials.of(name) for name in names], axis=1)
     n = len(y)
-    frames, usable = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), trials.t)
+    frames, usable = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), recordings)
     rows = thinned(usable, fit_frames)
     chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
     q = _first_angles(begin, chosen, rows, seed)

@@ -20,14 +20,18 @@ COHERENCE_S = 0.3
 _LEAST_MARKERS = 3
 
 
-def usable_frames(y: Floats, R: Floats, p: Floats, times: Sequence[Floats]) -> tuple[Frames, NDArray[np.bool_]]:
+def usable_frames(
+    y: Floats, R: Floats, p: Floats, recordings: Sequence[MarkerRecording]
+) -> tuple[Frames, NDArray[np.bool_]]:
     """Return the frames in which the base has a pose and enough markers of the chain are seen."""
+    times = [one.t for one in recordings]
     trial = np.concatenate([np.full(len(t), i, dtype=np.int64) for i, t in enumerate(times)])
     usable = np.isfinite(p).all(axis=1) & (np.isfinite(y[..., 0]).sum(axis=1) >= _LEAST_MARKERS)
     if not usable.any():
+        where = ", ".join(one.path for one in recordings)
         raise NotIdentifiable(
-            f"no frame shows the base and {_LEAST_MARKERS} markers of the limb together, expected some: check the "
-            "marker set, or take another base"
+            f"{where}: no frame shows the base and {_LEAST_MARKERS} markers of the limb together, expected some: "
+            "check the marker set, or take another base"
         )
     parts = (y[usable], R[usable], p[usable], trial[usable], np.concatenate(times)[usable])
     return Frames(*(np.ascontiguousarray(part) for part in parts)), usable

@@ -94,7 +94,7 @@ def calibrate(
     begin = initial_geometry(arm, where, trials, base, axes, centres, person.height_m)
     names, links = _chain_markers(trials, where)
     y = np.stack([trials.of(name) for name in names], axis=1)
-    frames, usable = usable_frames(y, base.R, base.p, trials.t)
+    frames, usable = usable_frames(y, base.R, base.p, recordings)
     rows = thinned(usable, fit_frames)
     chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
     begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
