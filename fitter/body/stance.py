@@ -82,7 +82,7 @@ def stance(trials: LimbTrials) -> Stance:
             text = f"no landmark tells left from right of the {segment}: it is taken to face ahead when upright"
             notes.append(Note("base_axes", text))
         local = [
-            nan_mean(np.einsum("nji,nj->ni", R[rows], x)) for x in (across[rows], np.tile(up, (rows.sum(), 1)))
+            nan_median(np.einsum("nji,nj->ni", R[rows], x)) for x in (across[rows], np.tile(up, (rows.sum(), 1)))
         ]
         if not np.isfinite(local).all():
             raise NotIdentifiable(f"no upright frame shows the pose of the {segment}, expected some")
