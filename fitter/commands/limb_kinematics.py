@@ -11,7 +11,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from arm.arm_file import save_arm
-from arm.body.limbs import BODY, LIMBS
+from arm.body.limbs import BODY, LIMBS, Girdle
 from arm.model import Body
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
@@ -103,7 +103,8 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
         if arguments.body == BODY:
             found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, told)
         else:
-            limb = (arguments.body, arguments.base or "scapula")
+            girdle: Girdle = "thorax" if arguments.base == "thorax" else "scapula"
+            limb = (arguments.body, girdle)
             search = Search(arguments.population, arguments.generations) if arguments.method == "ga" else None
             found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, told, search)
     answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
