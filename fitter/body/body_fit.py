@@ -54,7 +54,7 @@ class BodyFit:
         markers, geometry, prior = self.bundle.markers, self.bundle.geometry, self.task.angles
         y = np.concatenate([one.of(markers.names) for one in recordings])
         n = len(y)
-        frames, _ = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), [r.t for r in recordings])
+        frames, _ = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), recordings)
         about = floating_angles(geometry, markers, frames, prior, seed)
         chain = markers.chain(geometry)
         q = follow(chain, frames, markers.std, prior, seed, begin=about)

@@ -12,15 +12,15 @@ from arm.model import Body, Floats
 from fitter.body.body_fit import BodyFit
 from fitter.body.body_map import BodyLimbs, body_with_limbs
 from fitter.body.derived_body import derived_body
-from fitter.body.stance import stance
+from fitter.body.stance import bent_knees, stance
 from fitter.body.start import BodyStart, initial_body
 from fitter.functional.disjoint import disjoint_parts
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.base_orientation import mirrored
+from fitter.limb.base_orientation import against_landmarks
 from fitter.limb.bundle import Bundle, Prior, Task, fit_bundle
 from fitter.limb.disjoint_fits import disjoint_fits
 from fitter.limb.floating_base import floating_angles
-from fitter.limb.frame_choice import shares, thinned, usable_frames
+from fitter.limb.frame_choice import left_out, shares, thinned, usable_frames
 from fitter.limb.functional_error import systematic_std_m
 from fitter.limb.initial_geometry import PLACE_STD_M
 from fitter.limb.inverse_kinematics import follow, link_poses
@@ -81,7 +81,7 @@ def calibrate_body(
     names, links = tuple(m for m, _ in on), np.array([k for _, k in on], dtype=np.int64)
     y = np.stack([trials.of(name) for name in names], axis=1)
     n = len(y)
-    frames, usable = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), trials.t)
+    frames, usable = usable_frames(y, np.tile(np.eye(3), (n, 1, 1)), np.zeros((n, 3)), recordings)
     rows = thinned(usable, fit_frames)
     chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
     q = _first_angles(begin, chosen, rows, seed)
@@ -96,7 +96,17 @@ def calibrate_body(
     bundle = fit_bundle(task, begin.geometry, markers, q, report)
     halves = disjoint_fits(task, bundle, trial, progress)
     found = _errors(where, task, bundle, n_part, halves)
-    notes = (*trials.notes, *mirrored(trials), *stand.notes, *begin.notes, *left_at_prior(task, found))
+    knees = [limb.first + limb.where.centres["knee"] for limb in where.limbs if limb.is_leg]
+    bent = bent_knees(bundle.q[stand.rows[rows]][:, knees])
+    notes = (
+        *trials.notes,
+        *left_out(usable, recordings),
+        *against_landmarks(trials),
+        *stand.notes,
+        *bent,
+        *begin.notes,
+        *left_at_prior(task, found),
+    )
     return BodyFit(arm, where, trials, begin, task, rows, bundle, found, tuple(dict.fromkeys(notes)))
 
 

@@ -13,8 +13,9 @@ from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
 #: A frame is taken for upright whose pelvis is within this of where it is at its highest above the feet [m]: knees
-#: that are bent by less than 20° lower it by no more. The highest is a quantile, for somebody who jumps.
+#: that are bent by less than that lower it by no more [deg]. The highest is a quantile, for somebody who jumps.
 _UPRIGHT_M, _HIGHEST = 0.02, 0.95
+_BENT_DEG = 20.0
 #: Landmarks whose line points to the left, by segment.
 _ACROSS = {"pelvis": ("asis", "psis"), "thorax": ("acromion",)}
 
@@ -45,8 +46,15 @@ def stance(trials: LimbTrials) -> Stance:
     Raises
     ------
     NotIdentifiable
-        If no frame shows the pelvis' pose, or no landmark tells left from right.
+        If pelvis or thorax have no pose, no frame shows the pelvis', or no landmark tells left from right.
     """
+    for segment in ("pelvis", "thorax"):
+        if segment not in trials.motions:
+            there = ", ".join(trials.segments.get(segment, ())) or "no marker"
+            raise NotIdentifiable(
+                f"the {segment} has {there} in the recordings, expected three markers that are not in a line: "
+                "without its pose nothing else of the body has a place"
+            )
     up = world_up(trials.up)
     pelvis = trials.motions["pelvis"].whole
     feet = [m for s, on_it in trials.segments.items() if s.startswith("foot") for m in on_it]
@@ -74,12 +82,30 @@ def stance(trials: LimbTrials) -> Stance:
             text = f"no landmark tells left from right of the {segment}: it is taken to face ahead when upright"
             notes.append(Note("base_axes", text))
         local = [
-            nan_mean(np.einsum("nji,nj->ni", R[rows], x)) for x in (across[rows], np.tile(up, (rows.sum(), 1)))
+            nan_median(np.einsum("nji,nj->ni", R[rows], x)) for x in (across[rows], np.tile(up, (rows.sum(), 1)))
         ]
         if not np.isfinite(local).all():
             raise NotIdentifiable(f"no upright frame shows the pose of the {segment}, expected some")
         axes[segment] = _upright_axes(local[0], local[1])
     return Stance(rows, world, axes, tuple(notes))
+
+
+def bent_knees(knees: Floats) -> tuple[Note, ...]:
+    """Say if knees are bent even where a person stands most upright: no frame shows the posture of zero angles.
+
+    Parameters
+    ----------
+    knees : (n_frame, n_knee) [rad]
+        In the frames that stand most upright.
+    """
+    bent = np.degrees(np.abs(nan_median(knees))).max(initial=0.0)
+    if not bent > _BENT_DEG:
+        return ()
+    text = (
+        f"a knee is bent by {bent:.0f}° in the frames that stand most upright: none shows an upright stance, "
+        "in which pelvis and trunk are taken to stand straight and all angles to be near zero; record one"
+    )
+    return (Note("stance", text),)
 
 
 def _leftward(trials: LimbTrials, segment: str) -> Floats | None:

@@ -194,18 +194,22 @@ def _shoulder(
     functional: list[FunctionalCentre],
     height_m: float,
 ) -> tuple[Floats, float] | None:
-    """Return a shoulder's centre in the thorax' frame, by motion or below the acromion, and its error."""
+    """Return a shoulder's centre in the thorax' frame, below the acromion or by motion, and its error.
+
+    The acromion is first: a girdle that rises as the arm does takes the centre along, and what the arm then turns
+    about in the thorax is centimetres beside it, the same in every part of the motion.
+    """
     side, thorax = limb.where.side, trunk["thorax"]
+    marker = trials.landmarks.get(f"acromion_{side}")
+    if marker is not None:
+        local = trials.motions["thorax"].whole.to_segment(seen_or_posed(trials, marker))[stand.rows]
+        at = nan_median(local) - thorax.axes[:, 2] * _ACROMION_M * height_m / MEAN_PERSON.height_m
+        if np.isfinite(at).all():
+            return at, _BELOW_ACROMION_M
     for found in functional:
         if found.joint == f"shoulder_{side}" and not found.unobservable.any() and found.std_m < _SHOULDER_M:
             return found.in_parent_m, _SHOULDER_M
-    marker = trials.landmarks.get(f"acromion_{side}")
-    if marker is None:
-        return None
-    local = trials.motions["thorax"].whole.to_segment(seen_or_posed(trials, marker))[stand.rows]
-    below = thorax.axes[:, 2] * _ACROMION_M * height_m / MEAN_PERSON.height_m
-    at = nan_median(local) - below
-    return (at, _BELOW_ACROMION_M) if np.isfinite(at).all() else None
+    return None
 
 
 def _on_the_girdle(arm: Arm, shoulder: Floats, outward: Floats) -> tuple[Arm, Floats]:

@@ -11,7 +11,7 @@ from rich.progress import Progress
 from arm.arm_file import load_arm, save_arm
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
-from fitter.commands.limb_kinematics import add_body, limb_kinematics
+from fitter.commands.limb_kinematics import add_body, limb_kinematics, require_no_limb
 from fitter.commands.options import (
     add_arm,
     add_columns,
@@ -88,8 +88,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
         return limb_kinematics(arguments)
     if arguments.arm is None:
         raise ConfigError("--arm is missing, expected an arm file or a built-in arm; for a person's limb --body")
-    if arguments.method == "bundle":
-        raise ConfigError("--method bundle is given, expected it only with --body")
+    require_no_limb(arguments)
     arm = questioned_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)

@@ -11,7 +11,7 @@ from rich.progress import Progress
 from rich.table import Table
 
 from arm.arm_file import save_arm
-from arm.body.limbs import BODY, LIMBS
+from arm.body.limbs import BODY, LIMBS, Girdle
 from arm.model import Body
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
 from fitter.commands.limb_export import add_export, check_export, export
@@ -35,6 +35,8 @@ _NOT_HERE: tuple[tuple[str, object], ...] = (
     ("arm", None), ("columns", None), ("rate_hz", None), ("bounds", None), ("fix", None), ("free", ""),
     ("about", "auto"), ("angle_noise_deg", "auto"), ("compare", []),
 )  # fmt: skip
+#: Options that mean nothing but here.
+_ONLY_HERE = ("marker_set", "probe", "base", "up", "mass", "height", "sex", "export")
 #: Options of the genetic algorithm.
 _OF_THE_SEARCH: tuple[tuple[str, object], ...] = (("population", None), ("generations", GENERATIONS))
 
@@ -52,9 +54,7 @@ def add_body(parser: argparse.ArgumentParser) -> None:
         metavar="LANDMARK=FILE",
         help="a recording in which the marker set's pointer rests on a bony point, such as acromion_right=a.c3d",
     )
-    group.add_argument(
-        "--base", choices=["scapula", "thorax"], default="scapula", help="from where on an arm begins (scapula)"
-    )
+    group.add_argument("--base", choices=["scapula", "thorax"], help="from where on a single arm begins (scapula)")
     group.add_argument(
         "--up", choices=UPS, help="which axis of the laboratory points up (as header or stance have it)"
     )
@@ -103,7 +103,8 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
         if arguments.body == BODY:
             found = calibrated_person(learn, evaluate, marker_set, body, arguments.seed, report)
         else:
-            limb = (arguments.body, arguments.base)
+            girdle: Girdle = "thorax" if arguments.base == "thorax" else "scapula"
+            limb = (arguments.body, girdle)
             search = Search(arguments.population, arguments.generations) if arguments.method == "ga" else None
             found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, report, search)
     answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
@@ -141,10 +142,26 @@ def _require_options(arguments: argparse.Namespace) -> None:
         ]
     elif arguments.body == BODY:
         mistakes.append(f"--method ga is given with --body {BODY}, expected it with one limb: {', '.join(LIMBS)}")
+    if arguments.base is not None and not arguments.body.startswith("human-arm"):
+        mistakes.append(f"--base is given with --body {arguments.body}, expected it with a single arm")
     if arguments.marker_set is None:
         mistakes.append("--marker-set is missing, expected the name of a built-in marker set or a file")
     if mistakes:
         raise ConfigError(mistakes)
+
+
+def require_no_limb(arguments: argparse.Namespace) -> None:
+    """Refuse options of a person or limb where none is calibrated.
+
+    Raises
+    ------
+    ConfigError
+        With every one that is given.
+    """
+    given = [f"--{name.replace('_', '-')}" for name in _ONLY_HERE if getattr(arguments, name)]
+    given += ["--method bundle"] if arguments.method == "bundle" else []
+    if given:
+        raise ConfigError([f"{name} is given, expected it only with --body" for name in given])
 
 
 def body_of(arguments: argparse.Namespace) -> Body | None:

@@ -26,6 +26,8 @@ _TOP_AND_BOTTOM = (("suprasternal_notch", "c7"), ("xiphoid", "t8", "t10"))
 #: Three directions that lie within 30° of one plane do not tell a person from a mirrored one: their unit vectors
 #: span less than this volume.
 _FLAT = 0.5
+#: Who stands, squats or sits has pelvis and thorax inclined by less in the median frame [deg]; squats: 13.
+_LIES_DEG = 60.0
 #: A ball joint's middle axis is locked within this of a right angle [rad], in more than this fraction of frames.
 _LOCK_RAD, _LOCKED_SHARE = np.radians(20.0), 0.01
 
@@ -48,7 +50,29 @@ def base_orientation(trials: LimbTrials, base: BaseMotion, side: str) -> tuple[F
     if np.linalg.norm(leftward) < 1e-6:
         leftward = np.cross(up, np.eye(3)[int(np.argmin(np.abs(up)))])
     leftward = leftward / np.linalg.norm(leftward)
-    return np.column_stack([np.cross(leftward, up), leftward, up]), (*notes, *mirrored(trials))
+    return np.column_stack([np.cross(leftward, up), leftward, up]), (*notes, *against_landmarks(trials))
+
+
+def against_landmarks(trials: LimbTrials) -> tuple[Note, ...]:
+    """Say where a person's own directions contradict the recordings' axes: what points up, and right and left."""
+    return (*upside_down(trials), *mirrored(trials))
+
+
+def upside_down(trials: LimbTrials) -> tuple[Note, ...]:
+    """Say where thorax or pelvis have up, by their own markers and the legs, far from the axis called up."""
+    notes = []
+    for segment in _FRONT_AND_BACK if trials.up else ():
+        own = _own_up(trials, segment)
+        if own is None:
+            continue
+        inclined = np.degrees(np.arccos(nan_median(own @ world_up(trials.up) / np.linalg.norm(own, axis=1))))
+        if inclined > _LIES_DEG:
+            text = (
+                f"landmarks have up of the {segment} {inclined:.0f}° away from {trials.up} in the median frame: "
+                f"the person lies, or {trials.up} does not point up; --up says which axis does"
+            )
+            notes.append(Note("up", text))
+    return tuple(notes)
 
 
 def mirrored(trials: LimbTrials) -> tuple[Note, ...]:
@@ -79,6 +103,12 @@ def mirrored(trials: LimbTrials) -> tuple[Note, ...]:
 
 def _up_in_world(trials: LimbTrials, segment: str) -> Floats | None:
     """Return up by a segment's own landmarks, (n_frame, 3), else the world's, (1, 3)."""
+    own = _own_up(trials, segment)
+    return world_up(trials.up)[None] if own is None and trials.up else own
+
+
+def _own_up(trials: LimbTrials, segment: str) -> Floats | None:
+    """Return the way from the thorax' lower end to its upper, or from the legs to the pelvis, (n_frame, 3)."""
     if segment == "thorax":
         top, bottom = (_middle(trials, names) for names in _TOP_AND_BOTTOM)
     else:
@@ -87,8 +117,7 @@ def _up_in_world(trials: LimbTrials, segment: str) -> Floats | None:
         ]
         top = _middle(trials, [name for group in _FRONT_AND_BACK[segment] for name in group])
         bottom = nan_mean(np.array([trials.of(m) for m in legs])) if legs else None
-    own = _between(top, bottom)
-    return world_up(trials.up)[None] if own is None and trials.up else own
+    return _between(top, bottom)
 
 
 def _left_in_world(trials: LimbTrials, segment: str) -> Floats | None:

@@ -21,7 +21,7 @@ from fitter.limb.normal_equations import bundle_cost, eliminate
 _MOST_ITERATIONS, _CONVERGED = 80, 1e-6
 #: The scale is sought between these [m]: what skin makes of markers at the least, whatever the others of a cluster
 #: say that is a plate of its own, and at its worst (Leardini et al. 2005).
-_LEAST_STD_M, _MOST_STD_M = 0.008, 0.025
+LEAST_STD_M, _MOST_STD_M = 0.008, 0.025
 #: Shares of a step that are tried, and the damping beyond which there is none left.
 _SHORTENED, _MOST_DAMPING = (1.0, 0.3, 0.1), 1e4
 #: Iterations after which scales are learnt anew.
@@ -188,7 +188,7 @@ def rescaled(geometry: Geometry, markers: MarkerModel, frames: Frames, q: Floats
     One scale for all: were each marker to learn its own, the chain would run through those it began nearest to.
     """
     std = np.sqrt(_variances(geometry, markers, frames, q)[0])
-    return replace(markers, std=np.full(len(markers.std), np.clip(std, _LEAST_STD_M, _MOST_STD_M)))
+    return replace(markers, std=np.full(len(markers.std), np.clip(std, LEAST_STD_M, _MOST_STD_M)))
 
 
 def wander(bundle: Bundle, frames: Frames) -> Floats:

@@ -208,7 +208,10 @@ def _middle_of_child(where: LimbMap, trials: LimbTrials, base: BaseMotion) -> Fl
 def virtual_markers(
     arm: Arm, where: LimbMap, trials: LimbTrials, centres: dict[str, Centre], height_m: float
 ) -> tuple[MarkerModel, Floats]:
-    """Return centres and landmarks on their links, and where they were in all frames, (n_frame, m, 3)."""
+    """Return centres and landmarks on their links, and where they were in all frames, (n_frame, m, 3).
+
+    A body's limb of which nothing was recorded has none.
+    """
     frames, points = axis_frames(arm, np.zeros(arm.n_joint))[0], centre_points(arm, where)
     names, links, places, stds, world = list[str](), list[int](), list[Floats](), list[float](), list[Floats]()
 
@@ -232,9 +235,11 @@ def virtual_markers(
         if segment in trials.segments and not marked and segment.startswith(("hand", "foot", "forearm", "shank")):
             y = nan_mean(np.stack([seen_or_posed(trials, m) for m in trials.segments[segment]], axis=1), axis=1)
             add(segment, part.link, middle_of(arm, where, segment), 0.04, y)
-    if not names:
-        first = next(s for s in where.parts if s.startswith(("upper_arm", "thigh")))
+    first = next(s for s in where.parts if s.startswith(("upper_arm", "thigh")))
+    if not names and first in trials.segments:
         y = nan_mean(np.stack([trials.of(m) for m in trials.segments[first]], axis=1), axis=1)
         add(first, where.parts[first].link, middle_of(arm, where, first), 0.04, y)
-    model = MarkerModel(tuple(names), np.array(links, dtype=np.int64), np.array(places), np.array(stds))
-    return model, np.stack(world, axis=1)
+    model = MarkerModel(
+        tuple(names), np.array(links, dtype=np.int64), np.array(places).reshape(-1, 3), np.array(stds)
+    )
+    return model, np.stack(world, axis=1) if world else np.empty((len(trials.whole), 0, 3))

@@ -19,7 +19,7 @@ from fitter.limb.base_orientation import away_from_lock, base_orientation
 from fitter.limb.bundle import Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
 from fitter.limb.disjoint_fits import disjoint_fits
-from fitter.limb.frame_choice import shares, thinned, usable_frames
+from fitter.limb.frame_choice import left_out, shares, thinned, usable_frames
 from fitter.limb.free_geometry import free_geometry
 from fitter.limb.functional_error import beyond_the_acromion
 from fitter.limb.initial_geometry import PLACE_STD_M, Start, first_angles, initial_geometry, placed
@@ -94,7 +94,7 @@ def calibrate(
     begin = initial_geometry(arm, where, trials, base, axes, centres, person.height_m)
     names, links = _chain_markers(trials, where)
     y = np.stack([trials.of(name) for name in names], axis=1)
-    frames, usable = usable_frames(y, base.R, base.p, trials.t)
+    frames, usable = usable_frames(y, base.R, base.p, recordings)
     rows = thinned(usable, fit_frames)
     chosen = frames.rows(thinned(np.ones(len(frames.t), dtype=bool), fit_frames))
     begin, lock_notes = _clear_of_lock(begin, arm, where, chosen, rows, seed)
@@ -114,7 +114,8 @@ def calibrate(
         bundle = rivals.found["ga"].bundle
     halves = disjoint_fits(task, bundle, trial, progress)
     found = errors(where, task, bundle, n_part, halves)
-    notes = (*trials.notes, *base.notes, *base_notes, *centre_notes, *lock_notes, *left_at_prior(task, found))
+    notes = (*trials.notes, *left_out(usable, recordings), *base.notes, *base_notes, *centre_notes, *lock_notes)
+    notes = (*notes, *left_at_prior(task, found))
     notes = notes if rivals is None else (*notes, *rivals.notes())
     acromion = marker_set.landmarks.get(f"acromion_{where.side}")
     if acromion is not None and not where.balls[0] and "elbow" in where.centres:

@@ -82,7 +82,7 @@ class LimbFit:
         y = np.concatenate([r.of(self.bundle.markers.names) for r in recordings])
         carried = np.concatenate([r.of(self.base.markers) for r in recordings])
         R, p = poses_of(self.base.points_m, carried)
-        return usable_frames(y, R, p, [r.t for r in recordings])
+        return usable_frames(y, R, p, recordings)
 
     def marker_errors(self, recordings: Sequence[MarkerRecording], seed: int) -> MarkerErrors:
         """Return how far every marker is from where the chain has it.

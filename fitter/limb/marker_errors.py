@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.kinematics.geometry_fit import LEAST_EXPLAINED
+from fitter.limb.bundle import LEAST_STD_M
 from fitter.limb.marker_observations import Frames
 
 
@@ -26,9 +27,14 @@ class MarkerErrors:
 
     @property
     def explained(self) -> float | None:
-        """1 − square of the distances / square of the motion, over what was seen; None where nothing moved."""
-        power = float(np.nansum(self.moved_m**2))
-        return 1.0 - float(np.nansum(self.distance_m**2)) / power if power > 0.0 else None
+        """1 − square of the distances / square of the motion, over what was seen; None where nothing moved.
+
+        Nor has anything moved where neither motion nor distance is more than skin makes: in a stance a marker that
+        sits millimetres beside its place has more than the sway.
+        """
+        moved, off = float(np.nansum(self.moved_m**2)), float(np.nansum(self.distance_m**2))
+        skin = 3.0 * LEAST_STD_M**2 * np.count_nonzero(np.isfinite(self.distance_m))
+        return None if moved == 0.0 or max(moved, off) <= skin else 1.0 - off / moved
 
 
 def hardly(explained: float) -> str:

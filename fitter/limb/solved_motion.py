@@ -20,7 +20,8 @@ from fitter.limb.motion_smoother import Smoothed, smooth
 from limbcal.errors import DataError
 from limbcal.note import Note
 from limbcal.suggestion import did_you_mean
-from protocol.markers.recording import MarkerRecording
+from protocol.markers.missing import SHORTEST_S
+from protocol.markers.recording import MarkerRecording, runs
 
 #: Share of a limb's density of the jerk that a body takes: fifty markers see its trunk where five see a limb's
 #: joint, so that the same frequencies pass with a tenth.
@@ -107,6 +108,7 @@ def _solved(marked: MarkedArm, recording: MarkerRecording, seed: int) -> SolvedM
     t = recording.t
     everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))
     frames = Frames(everything, R, p, np.zeros(len(t), dtype=np.int64), t)
+    more += _blind(np.isfinite(everything[..., 0]).sum(axis=1), recording.rate_hz)
     chain, std = marked.everything.chain(marked.geometry), marked.everything.std
     sway, about = marked.markers.sway, None
     if not sway:
@@ -145,6 +147,21 @@ def _missing(marked: MarkedArm, recording: MarkerRecording) -> list[Note]:
         return []
     text = f"{len(lost)} of the arm's {len(marked.names)} markers are not in the recording: {', '.join(lost)}"
     return [Note("missing_marker", text, columns=lost)]
+
+
+def _blind(n_seen: NDArray[np.int64], rate_hz: float) -> list[Note]:
+    """Say where too few markers of limb and base, (n_frame,), are seen to tell any motion, and for how long."""
+    gaps = [run for run in runs(n_seen < _LEAST_MARKERS) if run[1] - run[0] >= SHORTEST_S * rate_hz]
+    if not gaps:
+        return []
+    lost = sum(last - first for first, last in gaps)
+    first, last = max(gaps, key=lambda run: run[1] - run[0])
+    text = (
+        f"fewer than {_LEAST_MARKERS} of the arm's markers are seen in {lost} of {len(n_seen)} frames "
+        f"({(last - first) / rate_hz:.2f} s at the longest): the motion there is guessed from before and after, "
+        "and q_std says how badly"
+    )
+    return [Note("gap", text, from_s=first / rate_hz, to_s=last / rate_hz)]
 
 
 def _filled(

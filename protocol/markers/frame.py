@@ -15,8 +15,9 @@ _SMALLEST_M, _LARGEST_M = 0.04, 3.0
 _USUAL_M = 0.5
 #: A whole body stands up along an axis in which it is this many times longer than in the others.
 _LONGER = 1.3
-#: A floor lies at zero: this part of the height may lie below it.
-_BELOW = 0.1
+#: A floor lies at zero: the lowest marker may be below it in any frame, and above it in the median one, by these
+#: parts of the height.
+_BELOW, _ABOVE = 0.1, 0.2
 
 
 def unit_of(points: np.ndarray, said: str) -> tuple[list[Note], Unit]:
@@ -91,21 +92,41 @@ def up_of(positions: np.ndarray, said: str) -> tuple[list[Note], str]:
     said : str
         Such as ``+z``; empty if the header says nothing.
     """
-    seen = np.isfinite(positions).all(axis=2).sum(axis=1) > 1
-    if not np.any(seen):
-        return [], said
-    some = positions[seen]
-    extents = np.nanmedian(np.nanmax(some, axis=1) - np.nanmin(some, axis=1), axis=0)
-    order = np.argsort(extents)[::-1]
-    if extents[order[0]] < _LONGER * extents[order[1]]:
-        return [], said
-    axis = int(order[0])
-    low, high = np.nanquantile(some[:, :, axis], [0.0, 1.0])
-    floor = _BELOW * (high - low)
-    if not (low > -floor or high < floor):  # the origin is in mid-air: nothing tells head from feet
-        return [], said
-    found = ("+" if low > -floor else "-") + "xyz"[axis]
-    if not said or said == found:
-        return [], found
+    found = stands_along(positions, said)
+    if not found or not said or said == found:
+        return [], found or said
     text = f"the header calls {said} up, but its markers stand along {found}: that is taken for up"
     return [Note("up", text)], found
+
+
+def stands_along(positions: np.ndarray, said: str) -> str:
+    """Return the axis that points up by a person who stands, such as ``+z``; empty where none tells.
+
+    Somebody who is about as wide as tall, by arms that are held out or markers on the floor, does not contradict
+    the header's axis, and still tells its sign: the floor is where the markers reach zero. An arm that moves is as
+    long as that, but does not stand on a floor.
+
+    Parameters
+    ----------
+    positions : (n_frame, n_marker, 3) [m]
+    said : str
+        What the header calls up; empty if it says nothing.
+    """
+    seen = np.isfinite(positions).all(axis=2).sum(axis=1) > 1
+    if not np.any(seen):
+        return ""
+    some = positions[seen]
+    extents = np.median(np.nanmax(some, axis=1) - np.nanmin(some, axis=1), axis=0)
+    order = np.argsort(extents)[::-1]
+    axis = int(order[0])
+    stands = bool(extents[axis] >= _LONGER * extents[order[1]])
+    if not stands and said and _LONGER * extents["xyz".index(said[1])] >= extents[axis]:
+        axis = "xyz".index(said[1])
+    elif not stands:
+        return ""
+    ends = np.array([np.nanmin(some[:, :, axis], axis=1), -np.nanmax(some[:, :, axis], axis=1)])
+    tall = -float(np.sum(np.median(ends, axis=1)))
+    above, below = (end.min() > -_BELOW * tall and np.median(end) < _ABOVE * tall for end in ends)
+    if not (above or below):  # the origin is in mid-air, or somebody reaches out far from it
+        return ""
+    return ("+" if above else "-") + "xyz"[axis]

@@ -11,7 +11,7 @@ from limbcal.note import Note
 from protocol.markers.c3d_file import read_c3d
 from protocol.markers.clock import timed
 from protocol.markers.force_notes import nan_forces
-from protocol.markers.frame import unit_of, up_of
+from protocol.markers.frame import stands_along, unit_of, up_of
 from protocol.markers.labels import computed, doubled, names_of, prefixes
 from protocol.markers.marker_jumps import jumps
 from protocol.markers.missing import ended, gaps, zeros
@@ -104,16 +104,16 @@ def _in_metres(raw: RawRecording) -> Looked:
 
 def _agreed_up(raws: Sequence[RawRecording], looked: Sequence[Looked]) -> list[Looked]:
     """Let files whose persons do not stand tell up as those do that have the same header and one stance."""
-    stances = [up_of(one.recording.positions, "")[1] for one in looked]
+    stances = [stands_along(one.recording.positions, raw.up) for raw, one in zip(raws, looked, strict=True)]
     found = []
     for raw, one, own in zip(raws, looked, stances, strict=True):
         others = {up for other, up in zip(raws, stances, strict=True) if other.up == raw.up and up}
-        if own or not raw.up or len(others) != 1 or one.recording.up in others:
+        if own or len(others) != 1 or one.recording.up in others:
             found.append(one)
             continue
         up = others.pop()
-        said = f"the header calls {raw.up} up, but in other files of this call persons stand along {up}"
-        note = Note("up", f"{said}: that is taken for up here too")
+        said = f"the header calls {raw.up} up, but" if raw.up else "nothing tells which axis points up, but"
+        note = Note("up", f"{said} in other files of this call persons stand along {up}: taken for up here too")
         found.append(Looked(replace(one.recording, up=up), (*one.notes, note)))
     return found
 

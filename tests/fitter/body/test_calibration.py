@@ -19,6 +19,13 @@ def test_lengths_are_the_persons_not_the_presets(person, found, name):
     assert found["lengths_m"][name]["value"] == pytest.approx(person.lengths_m[name], abs=0.008)
 
 
+def test_squats_without_a_stance_are_said(person, fit):
+    squats = replace(person.recording, positions=person.recording.positions[75:125])
+    found = calibrate_body([squats], person.marker_set, fit_frames=12)
+    assert [note.kind for note in found.notes].count("stance") == 1
+    assert "stance" not in [note.kind for note in fit.notes]
+
+
 def test_a_pelvis_without_left_and_right_is_refused(person):
     one_sided = {
         name: m for name, m in person.marker_set.landmarks.items() if "asis" not in name and "psis" not in name

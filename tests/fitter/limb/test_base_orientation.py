@@ -1,12 +1,21 @@
 """Forward, left and up of simulated people; recordings that a mirror has been through."""
 
+import re
+
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 from fitter.functional.marker_set import MarkerSet
 from fitter.limb.base_motion import base_motion
-from fitter.limb.base_orientation import away_from_lock, base_orientation, mirrored, seen_or_posed, world_up
+from fitter.limb.base_orientation import (
+    away_from_lock,
+    base_orientation,
+    mirrored,
+    seen_or_posed,
+    upside_down,
+    world_up,
+)
 from fitter.limb.limb_trials import sorted_trials
 from protocol.markers.recording import MarkerRecording
 
@@ -162,3 +171,11 @@ def test_a_marker_that_comes_and_goes_tells_of_a_mirror_too():
     mirror = np.diag([1.0, 1.0, -1.0])
     trials = trials_of(THORAX, "thorax", world=mirror, hidden=("acromion_left", "t8", "xiphoid"))
     assert len(mirrored(trials)) == 1
+
+
+@pytest.mark.parametrize(("points", "segment"), [(THORAX, "thorax"), (PELVIS | LEG, "pelvis")])
+@pytest.mark.parametrize(("up", "inclined"), [("+y", None), ("", None), ("-y", "1[67].°"), ("+x", "(8.|9.)°")])
+def test_landmarks_contradict_an_axis_that_is_not_up(points, segment, up, inclined):
+    notes = upside_down(trials_of(points, segment, up))
+    assert [note.kind for note in notes] == ([] if inclined is None else ["up"])
+    assert inclined is None or re.search(rf"up of the {segment} {inclined} away from .{up[1]}", notes[0].text)

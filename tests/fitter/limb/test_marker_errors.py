@@ -50,7 +50,16 @@ def test_what_was_not_seen_has_no_say() -> None:
 def test_where_nothing_moves_there_is_nothing_to_explain() -> None:
     one = frames(np.zeros((N, 2, 3)))._replace(R=np.tile(np.eye(3), (N, 1, 1)), p=np.zeros((N, 3)))
     still = one._replace(y=np.zeros((N, 2, 3)))
-    assert marker_errors(still, still.y).explained is None
+    assert (
+        marker_errors(still, still.y).explained is None and marker_errors(still, still.y + 1.0).explained is None
+    )
+
+
+@pytest.mark.parametrize(("off_m", "explained"), [(0.005, None), (0.013, None), (0.03, -35.0)])
+def test_a_stance_has_no_motion_to_explain(off_m: float, explained: float | None) -> None:
+    sway = frames(swinging(0.005))
+    found = marker_errors(sway, sway.y + [0.0, 0.0, off_m]).explained
+    assert found == (explained if explained is None else pytest.approx(explained))
 
 
 @pytest.mark.parametrize(("explained", "said"), [(-0.5, "nothing;"), (0.125, "12.5 %")])

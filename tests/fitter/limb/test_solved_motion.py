@@ -51,6 +51,16 @@ def test_frames_in_which_the_base_is_hidden_are_said_and_bridged(truth):
     assert np.isfinite(solved.smoothed.q).all()
 
 
+def test_frames_in_which_nothing_is_seen_are_said(truth):
+    recording, positions = truth.recordings[0], truth.recordings[0].positions.copy()
+    positions[20:35] = np.nan
+    positions[40:43] = np.nan  # 0.06 s: shorter than is reported
+    solved = solve_motion(with_markers(truth), replace(recording, positions=positions), 1)
+    (note,) = [note for note in solved.notes if note.kind == "gap"]
+    assert "in 15 of 60 frames (0.30 s at the longest)" in note.text and (note.from_s, note.to_s) == (0.4, 0.7)
+    assert not [note for note in solve_motion(with_markers(truth), recording, 1).notes if note.kind == "gap"]
+
+
 def test_base_markers_by_other_names_are_named(truth):
     recording = truth.recordings[0]
     base = tuple(name.lower() if name.startswith("B") else name for name in recording.names)

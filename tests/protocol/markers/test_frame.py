@@ -72,3 +72,27 @@ def test_a_person_stands_up():
 def test_where_nothing_stands_up_the_header_is_believed():
     cube = np.random.default_rng(0).uniform(0.0, 1.0, (10, 30, 3))
     assert up_of(cube, "+y") == ([], "+y")
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_who_spreads_the_arms_still_has_the_floor_underfoot(sign):
+    standing = sign * (walking().points - [0.0, 0.0, 0.15])
+    hand = np.nanmean(standing, axis=1, keepdims=True) * [1.0, 1.0, 1.5]
+    positions = np.concatenate([standing, hand + [0.0, 0.75, 0.0], hand - [0.0, 0.75, 0.0]], axis=1)
+    true, wrong = ("+z", "-z") if sign > 0.0 else ("-z", "+z")
+    assert up_of(positions, true) == ([], true) and up_of(positions, "") == ([], "")
+    (note,), found = up_of(positions, wrong)
+    assert note.kind == "up" and found == true
+
+
+@pytest.mark.parametrize("away", [0.4, 0.0])
+def test_an_arm_that_moves_does_not_point_up(away):
+    along = np.random.default_rng(0).uniform(0.0, 1.0, (100, 30, 3)) * [0.5, 0.2, 0.3]
+    moved = along + [away, 0.3, 1.0] + 0.4 * np.linspace(0.0, 1.0, 100)[:, None, None] * [1.0, 0.0, 0.5]
+    assert up_of(moved, "") == ([], "") and up_of(moved, "+z") == ([], "+z")
+    assert up_of(-moved, "+z") == ([], "+z")
+
+
+def test_arms_below_the_origin_do_not_contradict_the_header():
+    arms = np.random.default_rng(0).uniform(-1.0, -0.3, (10, 30, 3))
+    assert up_of(arms, "+z") == ([], "+z")

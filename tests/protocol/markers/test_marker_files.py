@@ -34,6 +34,15 @@ def test_who_does_not_stand_has_up_as_others_with_the_same_header_do():
     assert "in other files of this call persons stand along +z" in both[1].notes[-1].text
 
 
+def test_without_a_header_who_does_not_stand_has_up_as_who_does():
+    standing = replace(walking(), up="")
+    sitting = replace(standing, path="low.trc", points=standing.points * [8.0, 8.0, 1.0])
+    assert [one.recording.up for one in look_at([sitting])] == [""]
+    both = look_at([standing, sitting])
+    assert [one.recording.up for one in both] == ["+z", "+z"] and both[0].notes == ()
+    assert "nothing tells which axis points up, but in other files" in both[1].notes[-1].text
+
+
 def test_measured_recordings_have_no_exchanged_labels(measured_data):
     for folder in ("kineticstoolkit", "biobuddy", "btk"):
         found = read_markers(sorted((measured_data / folder).glob("*.c3d")))
