@@ -270,9 +270,9 @@ class Reception:
             by_number = infos is not None and infos <= self.guard.most_infos
             if infos and by_number and not self.guard.unplugged:
                 self.guard.answer(infos)
-            # Which of the missing numbers were those of INFO frames a clock says that tells a frame's samples.
-            told_apart = not self.guard.most_infos or self.ledger.tells(lost, sizes.smallest)
-            exact = by_number and told_apart and sizes.are_one and not begun_anew and not self.guard.is_off
+            # A clock that resolves the samples of a frame distinguishes it from an INFO frame, which has none.
+            distinguished = not self.guard.most_infos or self.ledger.resolves(lost, sizes.smallest)
+            exact = by_number and distinguished and sizes.are_one and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)

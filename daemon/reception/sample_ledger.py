@@ -195,7 +195,7 @@ class SampleLedger:
         return self._ticks is not None and self.step.went_back(ticks - self._ticks)
 
     def _may_have_numbered(self, frames: int, ticks: int) -> bool:
-        """Say whether a device can have numbered so many frames from the last one until its clock showed this."""
+        """Say whether the clock left a device enough time since the last frame to number this many."""
         if self._ticks is None:
             return True
         return self.step.late(ticks - self._ticks, 0) >= frames * self._sizes.smallest / (1.0 + INFO_OFF)
@@ -228,8 +228,8 @@ class SampleLedger:
         by_number = self.nearest_numbered(frame, late)
         return max(0, round(by_number if abs(late - by_number) <= self.step.tolerance(by_number) else late))
 
-    def tells(self, lost: int, samples: float) -> bool:
-        """Say whether the clock tells so many lost samples to less than some; before the first it tells none."""
+    def resolves(self, lost: int, samples: float) -> bool:
+        """Say whether the clock counts a number of lost samples to within ``samples``; not before the first."""
         return self._ticks is not None and self.step.tolerance(lost) < samples
 
     def follows(self, frame: SamplesFrame) -> bool:

@@ -65,7 +65,8 @@ def upside_down(trials: LimbTrials) -> tuple[Note, ...]:
         own = _own_up(trials, segment)
         if own is None:
             continue
-        inclined = np.degrees(np.arccos(nan_median(own @ world_up(trials.up) / np.linalg.norm(own, axis=1))))
+        cosine = nan_median(own @ world_up(trials.up) / np.linalg.norm(own, axis=1))
+        inclined = np.degrees(np.arccos(np.clip(cosine, -1.0, 1.0)))  # rounding takes it beyond 1
         if inclined > _LIES_DEG:
             text = (
                 f"landmarks have up of the {segment} {inclined:.0f}° away from {trials.up} in the median frame: "

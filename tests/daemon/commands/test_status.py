@@ -105,7 +105,7 @@ def test_a_health_that_is_no_daemons_is_said(
     ]
 
 
-class Told:
+class Scripted:
     """A subscriber that hears what the test scripted, and nothing before."""
 
     def __init__(self, *messages: tuple[str, dict[str, Any]] | None) -> None:
@@ -119,16 +119,16 @@ class Told:
 
 def test_the_first_report_that_is_heard_is_waited_for(capsys: pytest.CaptureFixture[str]) -> None:
     report = {"samples": 7}
-    assert _first(Told((HEALTH, report)), "ipc://here", 0.5) is report  # type: ignore[arg-type]
-    late = Told(None, (HEALTH, report))
+    assert _first(Scripted((HEALTH, report)), "ipc://here", 0.5) is report  # type: ignore[arg-type]
+    late = Scripted(None, (HEALTH, report))
     assert _first(late, "ipc://here", 60.0) is report  # type: ignore[arg-type]
     assert "waiting for 60 s in all" in capsys.readouterr().err
     assert late.timeouts_ms[0] == 3000 and 0 < late.timeouts_ms[1] <= 60_000
     with pytest.raises(DeviceError, match="no daemon is heard on ipc://here within 0.5 s"):
-        _first(Told(None), "ipc://here", 0.5)  # type: ignore[arg-type]
+        _first(Scripted(None), "ipc://here", 0.5)  # type: ignore[arg-type]
 
 
 def test_a_daemon_that_falls_silent_is_said() -> None:
-    assert _next(Told((HEALTH, {"samples": 8})), "ipc://here") == {"samples": 8}  # type: ignore[arg-type]
+    assert _next(Scripted((HEALTH, {"samples": 8})), "ipc://here") == {"samples": 8}  # type: ignore[arg-type]
     with pytest.raises(DeviceError, match="the daemon on ipc://here is not heard any more"):
-        _next(Told(None), "ipc://here")  # type: ignore[arg-type]
+        _next(Scripted(None), "ipc://here")  # type: ignore[arg-type]

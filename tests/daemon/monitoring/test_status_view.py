@@ -10,7 +10,7 @@ from rich.console import Console
 from daemon.monitoring import status_view
 from daemon.monitoring.status_view import _first, status, view_of
 from limbcal.errors import DeviceError
-from tests.daemon.commands.test_status import Told
+from tests.daemon.commands.test_status import Scripted
 
 HEALTH: dict[str, Any] = {
     "arm": "my-arm",
@@ -96,7 +96,7 @@ def test_joints_are_counted_from_one_in_their_own_units() -> None:
 
 @pytest.mark.parametrize(("wait_s", "timeouts_ms"), [(0.5, [500]), (3.0, [3000]), (0.0, [0])])
 def test_who_is_not_to_wait_for_long_is_told_once(wait_s: float, timeouts_ms: list[int]) -> None:
-    subscriber = Told(None, None)
+    subscriber = Scripted(None, None)
     with pytest.raises(DeviceError, match="no daemon is heard on ipc://x within"):
         _first(subscriber, "ipc://x", wait_s)  # type: ignore[arg-type]
     assert subscriber.timeouts_ms == timeouts_ms
@@ -105,7 +105,7 @@ def test_who_is_not_to_wait_for_long_is_told_once(wait_s: float, timeouts_ms: li
 def test_the_rest_of_the_wait_is_what_is_left_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
     now_s = iter([100.0, 103.5])
     monkeypatch.setattr("daemon.monitoring.status_view.time.monotonic", lambda: next(now_s))
-    subscriber = Told(None, ("limb/health", {"samples": 1}))
+    subscriber = Scripted(None, ("limb/health", {"samples": 1}))
     assert _first(subscriber, "ipc://x", 20.0) == {"samples": 1}  # type: ignore[arg-type]
     assert subscriber.timeouts_ms == [3000, 16_500]
 
@@ -113,7 +113,7 @@ def test_the_rest_of_the_wait_is_what_is_left_of_it(monkeypatch: pytest.MonkeyPa
 def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None:
     now_s = iter([100.0, 140.0])
     monkeypatch.setattr("daemon.monitoring.status_view.time.monotonic", lambda: next(now_s))
-    subscriber = Told(None, None)
+    subscriber = Scripted(None, None)
     with pytest.raises(DeviceError):
         _first(subscriber, "ipc://x", 20.0)  # type: ignore[arg-type]
     assert subscriber.timeouts_ms == [3000, 0]
@@ -122,7 +122,7 @@ def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None
 def test_a_live_view_goes_on_until_the_daemon_falls_silent(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    subscriber = Told(*((status_view.HEALTH, {**HEALTH, "samples": n}) for n in (1000, 2000, 3000)), None)
+    subscriber = Scripted(*((status_view.HEALTH, {**HEALTH, "samples": n}) for n in (1000, 2000, 3000)), None)
     monkeypatch.setattr(status_view, "Subscriber", lambda *_, **__: contextlib.nullcontext(subscriber))
     with pytest.raises(DeviceError, match="is not heard any more since 3 s"):
         status("ipc://here", None, once=False, as_json=False)

@@ -166,12 +166,12 @@ def test_a_restart_said_by_info_ends_with_the_first_frame() -> None:
     assert not ledger.begun_anew(frame(3, 5))
 
 
-def test_a_clock_whose_rate_info_alone_says_tells_no_frame_among_many() -> None:
+def test_a_rate_known_from_info_alone_resolves_no_frame_among_many() -> None:
     """A rate that is off by 15 % is off by a frame of 100 samples after 700."""
     ledger = SampleLedger(1000.0, 1000.0)
-    assert not ledger.tells(0, 100)
+    assert not ledger.resolves(0, 100)
     ledger.enter(frame(0, 0, 100), 0)
-    assert ledger.tells(600, 100) and not ledger.tells(700, 100)
+    assert ledger.resolves(600, 100) and not ledger.resolves(700, 100)
 
 
 def test_only_the_last_sixteen_gaps_are_kept() -> None:
