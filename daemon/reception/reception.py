@@ -13,6 +13,7 @@ from daemon.clock.tick_counter import TickCounter
 from daemon.reception.channel_watch import ChannelWatch
 from daemon.reception.device_identity import DeviceIdentity
 from daemon.reception.doubted_frames import DoubtedFrames
+from daemon.reception.info_requests import InfoRequests
 from daemon.reception.loss_attribution import LossAttribution
 from daemon.reception.sample_ledger import Gap, SampleLedger
 from daemon.reception.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
@@ -76,7 +77,8 @@ class Reception:
         self.rate = SampleRate(self.info.rate_hz, self.info.tick_hz)
         self._steps = steps or self.rate
         self._counter = TickCounter(self.info.tick_hz)
-        self.guard = TickGuard(self.ledger)
+        self.requests = InfoRequests()
+        self.guard = TickGuard(self.ledger, self.requests)
         self._doubted = DoubtedFrames()
         self._first_ns: int | None = None
         self._look_ns = 0
@@ -116,13 +118,12 @@ class Reception:
             self._parse(data)
             data = []
             if chunk.mark is Mark.ASKED:
-                self.guard.ask(chunk.stamp_ns)
+                self.requests.sent(chunk.stamp_ns)
             elif chunk.mark is Mark.LOST:
                 self._pass_on(self.sequencer.release(), chunk.stamp_ns)
                 self._settle(chunk.stamp_ns)
                 self._losses.why, self.connected = "unplugged", False
-                self.guard.unplugged = True
-                self.guard.forget()
+                self.requests.lost_device()
                 self.identity.lost()
             else:
                 self.parser.reset()
@@ -238,11 +239,11 @@ class Reception:
         times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
         self._counted.add(times, run.counts)
         self.ledger.enter_run(run)
-        self._losses.why, self.guard.unplugged = None, False
-        self.guard.account(arrival_ns)
+        self._losses.why = None
+        self.requests.samples_came(arrival_ns)
 
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
-        self.guard.answer()
+        self.requests.answered()
         waiting = self.identity.meet(frame.info)
         if self.identity.known:
             for came_ns, together in groupby(waiting, key=attrgetter("arrival_ns")):  # each by its own arrival
@@ -267,11 +268,11 @@ class Reception:
             )
             sizes = self.ledger.sizes_with(frame)
             infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
-            by_number = infos is not None and infos <= self.guard.most_infos
-            if infos and by_number and not self.guard.unplugged:
-                self.guard.answer(infos)
+            by_number = infos is not None and infos <= self.requests.most
+            if infos and by_number and not self.requests.unplugged:
+                self.requests.answered(infos)
             # A clock that resolves the samples of a frame distinguishes it from an INFO frame, which has none.
-            distinguished = not self.guard.most_infos or self.ledger.resolves(lost, sizes.smallest)
+            distinguished = not self.requests.most or self.ledger.resolves(lost, sizes.smallest)
             exact = by_number and distinguished and sizes.are_one and not begun_anew and not self.guard.is_off
             self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
         first = self.ledger.position + lost
@@ -279,7 +280,7 @@ class Reception:
         self._counted.add(times, frame.counts, lost)
         self.ledger.enter(frame, lost)
         self._losses.why = None
-        self.guard.account(arrival_ns)
+        self.requests.samples_came(arrival_ns)
 
     def _note(self, gap: Gap, cause: str | None = None) -> None:
         self.ledger.note(gap, cause)

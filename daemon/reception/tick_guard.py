@@ -15,18 +15,15 @@ number a clock is believed that shows no less than the smallest of frames take, 
 any other the host's clock decides at once.
 """
 
-import math
 from collections import deque
 from collections.abc import Callable
 from dataclasses import replace
 
-from daemon.acquisition.handshake import INFO_LIMIT_S
 from daemon.clock.tick_step import INFO_OFF, MAJORITY
+from daemon.reception.info_requests import InfoRequests
 from daemon.reception.sample_ledger import SampleLedger
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 
-#: A device answers within this time, or the handshake gives it up [ns].
-_ANSWER_NS = round(1e9 * INFO_LIMIT_S)
 #: Enters a frame; the number is by how many ticks its clock was off, None where it was not.
 Enter = Callable[[SamplesFrame, int | None], None]
 #: Says by how much, beyond what is not known, something arrived before a tick was over [s]; below 0 if too late.
@@ -40,6 +37,8 @@ class TickGuard:
     ----------
     ledger : SampleLedger
         Knows the number and the clock that are due.
+    requests : InfoRequests
+        Knows how many of the missing numbers may be without samples.
 
     Attributes
     ----------
@@ -47,16 +46,12 @@ class TickGuard:
         What is added to the device's ticks.
     errors : int
         How often its clock was off: a clock that stands still is once.
-    unplugged : bool
-        Whether the device was away since the last frame.
     """
 
-    def __init__(self, ledger: SampleLedger) -> None:
+    def __init__(self, ledger: SampleLedger, requests: InfoRequests) -> None:
         self.shift = 0
         self.errors = 0
-        self.unplugged = False
-        self._asked_ns: deque[int] = deque()
-        self._ledger = ledger
+        self._ledger, self._requests = ledger, requests
         self._suspect: SamplesFrame | None = None
         self._steps: deque[tuple[int, int]] = deque(maxlen=MAJORITY)
         self._off = False
@@ -65,34 +60,6 @@ class TickGuard:
     def waiting(self) -> bool:
         """Whether a frame waits for the next one."""
         return self._suspect is not None
-
-    @property
-    def unanswered(self) -> int:
-        """How many INFO frames the device was asked for that did not come: it may have numbered them meanwhile."""
-        return len(self._asked_ns)
-
-    def ask(self, now_ns: int) -> None:
-        """Note that the device was asked for an INFO frame, as by START, by the host's monotonic clock [ns]."""
-        self._asked_ns.append(now_ns)
-
-    def answer(self, infos: int = 1) -> None:
-        """Note that INFO frames came, or that some numbers were theirs."""
-        for _ in range(min(infos, len(self._asked_ns))):
-            self._asked_ns.popleft()
-
-    def account(self, arrival_ns: int) -> None:
-        """Note when samples came: an answer to what was asked long before them has a number before theirs."""
-        while self._asked_ns and self._asked_ns[0] < arrival_ns - _ANSWER_NS:
-            self._asked_ns.popleft()
-
-    def forget(self) -> None:
-        """Note that what was asked so far will not be answered."""
-        self._asked_ns.clear()
-
-    @property
-    def most_infos(self) -> float:
-        """How many numbers before the next frame may be those of INFO frames, which have no samples."""
-        return math.inf if self.unplugged else self.unanswered
 
     @property
     def is_off(self) -> bool:
@@ -202,13 +169,13 @@ class TickGuard:
         asked for, or as somebody else asked for while it was away, however late a busy host read what came after
         them. That all of them were such, as a clock that stood still would have it, the host's clock must confirm.
         """
-        ledger, p = self._ledger, self._ledger.step.ticks_per_sample
+        ledger, requests, p = self._ledger, self._requests, self._ledger.step.ticks_per_sample
         if off > 0 or self._off:
             return off > 0 and early_s <= 0.0
         sizes, frames = ledger.sizes_with(frame), ledger.frames_before(frame)
         infos = sizes.without_samples(frames, round((frame.ticks - (ledger.due_ticks or 0)) / p))
-        asked_for = infos is not None and (infos <= self.unanswered or (self.unplugged and infos < frames))
-        in_time = early_s == 0.0 and -off <= self.most_infos * sizes.smallest * p + most
+        asked_for = infos is not None and (infos <= requests.unanswered or (requests.unplugged and infos < frames))
+        in_time = early_s == 0.0 and -off <= requests.most * sizes.smallest * p + most
         return in_time or (asked_for and early_s <= 0.0)
 
     def _end(self, frame: SamplesFrame) -> int:
@@ -222,7 +189,6 @@ class TickGuard:
         self._off = False
         self._steps.clear()
         enter(frame, None)
-        self.unplugged = False
 
     def _due(self, frame: SamplesFrame, due: int, enter: Enter) -> None:
         """Enter a frame with the clock that is due; a clock that stays off is off once."""
@@ -230,4 +196,3 @@ class TickGuard:
         self.errors += not self._off
         self._off = True
         enter(replace(frame, ticks=due), off)
-        self.unplugged = False

@@ -207,7 +207,7 @@ def test_an_answer_that_comes_late_and_is_lost_among_samples_has_none(asked: int
     first, second = (gap for gap in taker.gaps() if gap[1])
     assert first[:2] == (96, 32)
     assert (second[0], second[1], second[4]) == ((224, 64, True) if asked == 2 else (224, 96, False))
-    assert taker.reception.guard.unanswered == 0  # the one that was lost answers no other number
+    assert taker.reception.requests.unanswered == 0  # the one that was lost answers no other number
 
 
 def test_a_clock_that_jumps_is_a_gap_without_samples() -> None:

@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from daemon.reception.info_requests import InfoRequests
 from daemon.reception.sample_ledger import SampleLedger
 from daemon.reception.tick_guard import TickGuard
 from protocol.serial_frame import SamplesFrame
@@ -21,7 +22,7 @@ class Entered:
 
     def __init__(self, early_s: float = 0.0, p: int = P) -> None:
         self.ledger = SampleLedger(1000.0, 1000.0 * p)
-        self.guard = TickGuard(self.ledger)
+        self.guard = TickGuard(self.ledger, InfoRequests())
         self.early_s = early_s
         self.ticks: list[int] = []
         self.off: list[int | None] = []

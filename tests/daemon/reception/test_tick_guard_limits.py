@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from daemon.reception.info_requests import InfoRequests
 from daemon.reception.sample_ledger import SampleLedger
 from daemon.reception.tick_guard import TickGuard
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
@@ -22,7 +23,8 @@ class Guarded:
 
     def __init__(self) -> None:
         self.ledger = SampleLedger(1000.0, 1e6)
-        self.guard = TickGuard(self.ledger)
+        self.requests = InfoRequests()
+        self.guard = TickGuard(self.ledger, self.requests)
         self.entered: list[tuple[int, int | None]] = []
         self.asked: list[int] = []
         self.early_s: dict[int, float] = {}
@@ -84,7 +86,7 @@ def test_without_a_jump_frames_are_passed_as_they_are() -> None:
     guard, run = Guarded().guard, SamplesRun(12, [5], np.zeros((N, 3), dtype=np.int16))
     info = InfoFrame(12, 500, device_info())
     assert guard.shifted(run) is run and guard.info(info) is info
-    assert (guard.shift, guard.errors, guard.unplugged, guard.is_off, guard.waiting) == (0, 0, False, False, False)
+    assert (guard.shift, guard.errors, guard.is_off, guard.waiting) == (0, 0, False, False)
 
 
 @pytest.mark.parametrize(
@@ -106,13 +108,13 @@ def test_where_numbers_are_missing_the_hosts_clock_decides(
     off: int, unplugged: bool, end_s: float, numbered_s: float, shown: int
 ) -> None:
     guarded = Guarded()
-    guarded.guard.unplugged = unplugged
+    guarded.requests.unplugged = unplugged
     guarded.early_s = {13 * FRAME + off: end_s, 12 * FRAME: numbered_s}
     guarded.take(frame(12, off))
     assert guarded.entered == [(12 * FRAME + shown, None if shown else off)]
     assert guarded.guard.shift == (0 if shown else -off)
     assert guarded.guard.errors == (0 if shown else 1)
-    assert not guarded.guard.unplugged and guarded.guard.is_off == (shown == 0)
+    assert guarded.guard.is_off == (shown == 0)
 
 
 @pytest.mark.parametrize(
@@ -138,7 +140,7 @@ def test_a_clock_is_believed_between_the_smallest_and_the_largest_of_frames(tick
 @pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
 def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: bool) -> None:
     guarded = Guarded()
-    guarded.guard.ask(0)
+    guarded.requests.sent(0)
     guarded.take(frame(13, -infos * FRAME))
     assert guarded.entered == [((13 - infos * shown) * FRAME, None if shown else -infos * FRAME)]
 
@@ -146,23 +148,10 @@ def test_no_more_infos_are_missing_than_were_not_answered(infos: int, shown: boo
 @pytest.mark.parametrize(("infos", "shown"), [(1, True), (2, False)])
 def test_an_answer_has_no_samples_however_late_the_host_reads(infos: int, shown: bool) -> None:
     guarded = Guarded()
-    guarded.guard.ask(0)
+    guarded.requests.sent(0)
     guarded.otherwise_s = -0.2
     guarded.take(frame(14, -infos * FRAME))
     assert guarded.ledger.lost_samples == (4 - infos * shown) * N
-
-
-def test_what_was_not_answered_for_five_seconds_of_samples_will_not_be() -> None:
-    guard = Guarded().guard
-    for at_s in (0, 1, 2):
-        guard.ask(at_s * 10**9)
-    guard.answer()
-    guard.account(6 * 10**9)
-    assert guard.unanswered == 2
-    guard.account(6 * 10**9 + 1)
-    assert guard.unanswered == 1
-    guard.answer(2)
-    assert guard.unanswered == 0
 
 
 @pytest.mark.parametrize("early_s", [-0.2, 0.0])
@@ -215,7 +204,7 @@ def test_what_waits_while_the_clock_is_off_takes_its_turn_by_number() -> None:
     assert guarded.guard.arrived_ticks == 10 * FRAME
     guarded.take(frame(10, -FRAME), frame(11, -2 * FRAME))
     assert guarded.guard.arrived_ticks == 12 * FRAME  # the frame that waits has ten samples
-    assert TickGuard(SampleLedger(1000.0, 1e6)).arrived_ticks is None
+    assert TickGuard(SampleLedger(1000.0, 1e6), InfoRequests()).arrived_ticks is None
 
 
 def test_after_losses_one_behind_the_other_the_last_waits_for_its_next() -> None:
