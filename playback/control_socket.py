@@ -28,9 +28,9 @@ LINGER_MS = 250
 
 @dataclass
 class _Kept:
-    """Replies that a client has yet to take, and their bytes."""
+    """Replies that a client has yet to take, each behind its envelope, and their bytes."""
 
-    replies: deque[list[bytes]] = field(default_factory=deque)
+    replies: deque[tuple[list[bytes], bytes]] = field(default_factory=deque)
     n_byte: int = 0
 
 
@@ -110,7 +110,7 @@ class ControlSocket:
         # REQ puts an empty part between address and payload, DEALER need not; the reply goes the way back.
         n_envelope = 2 if len(parts) > 2 and not parts[1] else 1
         reply = self._answer(parts[n_envelope:])
-        kept.replies.append([*parts[:n_envelope], reply])
+        kept.replies.append((parts[:n_envelope], reply))
         kept.n_byte += len(reply)
         self._kept[parts[0]] = kept
         self._send_on(parts[0])
@@ -120,8 +120,10 @@ class ControlSocket:
         kept = self._kept[client]
         try:
             while kept.replies:
-                self._socket.send_multipart(kept.replies[0], zmq.NOBLOCK)
-                kept.n_byte -= len(kept.replies.popleft()[-1])
+                envelope, reply = kept.replies[0]
+                self._socket.send_multipart([*envelope, reply], zmq.NOBLOCK)
+                kept.replies.popleft()
+                kept.n_byte -= len(reply)
         except zmq.Again:
             return
         except zmq.ZMQError as error:

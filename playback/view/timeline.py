@@ -61,7 +61,7 @@ class Timeline:
 
     def draw(self, position_s: float, rows: Sequence[Row]) -> None:
         """Draw both plots with the present at ``position_s`` [s]; ``rows`` is what was heard last."""
-        drawn = position_s, len(rows), self._lines is None
+        drawn = position_s, len(rows)
         if drawn == self._drawn:
             return
         self._drawn = drawn

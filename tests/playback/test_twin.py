@@ -169,6 +169,8 @@ def test_files_without_a_common_clock_begin_together_and_a_note_says_so(tmp_path
     assert note.kind == "clock" and "on no common clock: trials of both are begun together" in note.text
     assert "from 0 to 1.99 s in real.npz and from 100 to 101.99 s" in note.text
     assert both.twin.load(1).begin_s == 0.0
+    targets = written(tmp_path / "targets.npz", 100.0 + t, targets=True)
+    assert with_twin(real, "dd-arm", targets, print).twin.load(1).begin_s == 0.0
 
 
 @pytest.mark.parametrize("first", [0, 50])

@@ -39,6 +39,8 @@ def test_title_trial_time_and_grid_are_written(pair: Sampled, written: list[tupl
     film(replace(pair, movers=pair.movers[:1], trial=4))
     a_picture = len(written) // len(pair.t)
     assert [what for _, _, what in written[:a_picture]] == [pair.title, "trial 4     t = 0.00 s", "grid 100 mm"]
+    title, below, _ = (y for _, y, _ in written[:a_picture])
+    assert title + SIZE < below < title + 2 * SIZE  # a line of its own, right under the title
     times = [what for _, _, what in written if what.startswith("trial")]
     assert times == [f"trial 4     t = {t:.2f} s" for t in pair.t]
 

@@ -37,3 +37,9 @@ def test_a_number_that_was_cut_is_shorter_than_all_before_it():
     kept, (note,) = end(WHOLE + "99.00,99")
     assert kept == WHOLE.encode() and "within a number" in note
     assert end("a,b\n1.00,1.50\n2.00,2") == (b"a,b\n1.00,1.50\n2.00,2", [])
+
+
+def test_the_last_number_is_compared_with_those_of_its_own_column():
+    whole = "a,b,c\n" + "".join(f"{k}.00000,{k},{k}.50\n" for k in range(10, 99))
+    kept, (note,) = end(whole + "99.00000,99,99.")
+    assert kept == whole.encode() and "within a number" in note

@@ -20,6 +20,13 @@ def numbers(path, *names):
     return CsvFile(path).read({"x": [Column(name) for name in names]}, None)[0].groups["x"]
 
 
+def test_a_column_that_begins_with_whole_numbers_may_go_on_with_others(tmp_path):
+    text = "".join(f"{k},{2**53 - 1 if k == 300 else k}\n{k + 0.5},{k + 0.25}\n" for k in (300, 400))
+    path = csv(tmp_path, "t,x\n" + text)
+    assert numbers(path, "t").ravel().tolist() == [300.0, 300.5, 400.0, 400.5]
+    assert numbers(path, "x").ravel().tolist() == [2.0**53 - 1.0, 300.25, 400.0, 400.25]
+
+
 def test_only_wanted_columns_are_read(tmp_path):
     path = csv(tmp_path, "t,q1,remark\n0,1.5,ok\n1,-2e-3,not so\n")
     assert numbers(path, "q1", "t").tolist() == [[1.5, 0.0], [-2e-3, 1.0]]

@@ -1,9 +1,12 @@
 """Sizes of what a model lacks: rounds raise the likelihood, and a race ends with the likeliest."""
 
+from dataclasses import replace
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
-from arm.model import Arm
+from arm.model import Arm, Gyroscope
 from tests.tracking.smoother.test_discrepancy_smoother import case
 from tracking.model.course import course_of
 from tracking.model.discrepancy import Discrepancy
@@ -61,6 +64,21 @@ def test_a_race_is_won_by_the_likeliest_and_the_hopeless_give_up() -> None:
 def test_prior_odds_against_a_kind_count() -> None:
     racers = [Racer(0.0), Racer(10.0)]
     assert likeliest(racers, [0.0, 11.0], lambda: None) is racers[0]
+
+
+@pytest.mark.parametrize("turning", [1, 3])
+def test_readings_depart_by_their_kinds_loudest_channel_if_by_no_more(dd_arm: Arm, turning: int) -> None:
+    turned = tuple(replace(sensor, gyroscope=Gyroscope()) for sensor in dd_arm.sensors[:turning])
+    arm = replace(dd_arm, sensors=(*turned, *dd_arm.sensors[turning:]))
+    of, n_felt = observation_of(arm)[0], 3 * len(dd_arm.sensors)
+    noise = np.ones(n_felt + 3 * turning)
+    noise[1], noise[n_felt + 2] = 4.0, 0.25
+    noise[n_felt:] *= 0.01
+    readings = np.ones((300, noise.size))
+    course = SimpleNamespace(dt=0.01, present=np.ones(300, dtype=bool), readings=readings, noise=noise)
+    assert departure(of, course).tolist() == [2.0] * n_felt + [0.1] * (3 * turning)  # type: ignore[arg-type]
+    course.readings[::2, n_felt:] += 2.0  # a second's mean does not follow this
+    np.testing.assert_allclose(departure(of, course)[n_felt:], 1.0, rtol=0.05)  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("base", [True, False])

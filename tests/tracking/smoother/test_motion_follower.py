@@ -4,10 +4,10 @@ import numpy as np
 import pytest
 
 from arm.kinematics import sensor_positions
-from tracking.model.draws import DRAWS
+from tracking.model.draws import DRAWS, Draws
 from tracking.model.expected_readings import room_of
 from tracking.smoother.linear_response import respond
-from tracking.smoother.motion_follower import MotionFollower
+from tracking.smoother.motion_follower import MotionFollower, _creep
 from tracking.smoother.smoother import Smoother, release
 
 RATE_HZ = 250.0
@@ -112,3 +112,18 @@ def test_drawn_points_stand_still_while_the_arm_rests(followed):
     moved = np.abs(np.diff(followed.draws.points, axis=1))
     np.testing.assert_allclose(moved[:, rests], 0.0, rtol=0, atol=1e-12)
     assert moved[:, ~rests].max() > 1e-3
+
+
+@pytest.mark.parametrize("rests_again", [True, False])
+def test_points_leave_a_rest_as_fast_as_joints_crept_there_until_the_next(level_bench, rests_again):
+    still = np.zeros(12, dtype=bool)
+    still[:4], still[9:] = True, rests_again
+    q, dq = np.array([0.3, -0.8]), np.array([0.02, -0.03])
+    drawn = Draws(*(np.tile(one, (3, 12, 1)) for one in (q, dq, 0.0 * q)), np.zeros((3, 12, 4, 3)))
+    _creep(level_bench.arm, drawn, still, 0.01)
+    ahead, behind = (sensor_positions(level_bench.arm, q + by * dq) for by in (0.1, -0.1))
+    velocity = (ahead - behind) / 0.2
+    moving = np.clip(np.arange(12) - 3, 0, 6 if rests_again else 8)
+    np.testing.assert_allclose(
+        drawn.points, np.tile(0.01 * moving[:, None, None] * velocity, (3, 1, 1, 1)), atol=1e-6
+    )

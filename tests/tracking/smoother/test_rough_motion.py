@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Arm
-from tests.tracking.model.test_clocks import felt, read
+from tests.tracking.model.test_clocks import RATE_HZ, felt, read
 from tracking.model.initial_state import MountingPrior
 from tracking.smoother.coarsening import every
 from tracking.smoother.rough_motion import rough_motion
@@ -15,6 +15,7 @@ def test_one_sensors_fault_bends_it_little(vertical_arm: Arm) -> None:
     wrong[:, 9:12] *= 1.3
     found = rough_motion(vertical_arm, read(wrong), q[0], True)
     assert found is not None and found.is_near
+    assert found.stride == round(RATE_HZ / 30.0)
     off = found.states[:, :6:3] - every(q, found.stride)[: len(found.states)]
     assert np.abs(off).max() < 0.3 and np.sqrt(np.mean(off**2)) < 0.1
 

@@ -5,9 +5,10 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from tests.tracking.model.test_clocks import felt, read
 from tracking.model.observation import observation_of
 from tracking.smoother.smoothed import is_near, mend
-from tracking.smoother.smoother import release
+from tracking.smoother.smoother import Smoother, release
 
 NAN = np.nan
 
@@ -53,3 +54,15 @@ def test_constants_are_near_within_what_they_may_be_off(dd_arm):
             assert is_near(of, moved, P0) is expected
     x[2] = 1.0  # an acceleration is no constant
     assert is_near(of, x, P0)
+
+
+def test_a_summary_keeps_what_was_found_and_no_frames(dd_arm):
+    readings, q = felt(dd_arm, 0.0, 3.0)
+    whole = Smoother(dd_arm, q[0], True).smooth(read(readings))
+    summary = whole.summary
+    for name in ("final", "covariance", "before", "doubted", "passes", "converged", "discrepancy", "is_near"):
+        assert getattr(summary, name) is getattr(whole, name)
+    assert summary.course.noise is whole.course.noise
+    frames = [summary.states, summary.along, summary.still, summary.resting, *summary.found]
+    frames += [getattr(summary.course, name) for name in ("readings", "present", "jolt", "doubt", "rest", "drift")]
+    assert [one.size for one in frames] == [0] * len(frames)
