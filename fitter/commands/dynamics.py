@@ -113,7 +113,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def dynamics(arguments: argparse.Namespace) -> Document:
     """Learn, evaluate, and write the calibrated arm."""
     arm = questioned_arm(arguments.arm)
-    make_room(arguments.out)
+    make_room(arguments.out, read=[*arguments.learn, *arguments.evaluate, *arguments.ground])
     if arguments.report is not None:
         make_room(arguments.report, (".html",))
     if arguments.ground or arguments.prior is not None:

@@ -92,7 +92,7 @@ def kinematics(arguments: argparse.Namespace) -> Document:
     arm = questioned_arm(arguments.arm)
     compared = {Path(source).stem: geometry_by_name(load_arm(source)) for source in arguments.compare}
     learn, evaluate = _trials(arguments, arm)
-    make_room(arguments.out)
+    make_room(arguments.out, read=[*arguments.data, *arguments.evaluate])
     if arguments.report is not None:
         make_room(arguments.report, (".html",))
     angle_noise = angle_noise_of(arguments.angle_noise_deg, arm)

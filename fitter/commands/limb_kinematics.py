@@ -81,7 +81,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     _require_options(arguments)
     body = body_of(arguments)
     marker_set = load_marker_set(arguments.marker_set)
-    make_room(arguments.out)
+    make_room(arguments.out, read=[*arguments.data, *arguments.evaluate])
     check_export(arguments.export, motions=False)
     if arguments.report is not None:
         make_room(arguments.report, (".html",))

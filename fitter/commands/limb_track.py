@@ -52,7 +52,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         raise ConfigError(mistakes)
     arm = questioned_arm(arguments.arm)
     marked = marked_arm(arm)
-    make_room(arguments.out, MOTION_SUFFIXES)
+    make_room(arguments.out, MOTION_SUFFIXES, arguments.raw)
     check_export(arguments.export, motions=True)
     recordings, notes = recordings_of(arguments.raw, "all")
     began = time.perf_counter()

@@ -3,13 +3,14 @@
 import argparse
 import math
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
 
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DeviceError
+from protocol.tables.files import SUFFIXES
 
 #: What a motion is written as.
 MOTION_SUFFIXES = (".csv", ".parquet", ".npz")
@@ -49,18 +50,28 @@ def add_report(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def make_room(out: Path, suffixes: Sequence[str] = ()) -> None:
+def make_room(out: Path, suffixes: Sequence[str] = (), read: Iterable[Path | None] = ()) -> None:
     """Make sure that a file can be written, before an hour goes into what is to be in it.
+
+    Parameters
+    ----------
+    out : Path
+    suffixes : sequence of str, optional
+        Those that it may have; any by default.
+    read : iterable of Path, optional
+        The files and folders that are read, none of which it may replace.
 
     Raises
     ------
     ConfigError
-        If the suffix is none of those given.
+        If the suffix is none of those given, or if the file is read.
     DeviceError
         If there is no place for it.
     """
     if suffixes and out.suffix.lower() not in suffixes:
         raise ConfigError(f"{out}: the suffix is {out.suffix!r}, expected one of {', '.join(suffixes)}")
+    if out.exists() and any(_is_of(out.resolve(), one.resolve()) for one in read if one is not None):
+        raise ConfigError(f"{out}: this file is read, and the result would take its place; expected another")
     try:
         out.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
@@ -69,6 +80,11 @@ def make_room(out: Path, suffixes: Sequence[str] = ()) -> None:
     if out.is_dir() or not os.access(out if out.exists() else out.parent, os.W_OK):
         reason = "it is a directory" if out.is_dir() else "permission denied"
         raise DeviceError(f"{out}: cannot be written: {reason}")
+
+
+def _is_of(file: Path, read: Path) -> bool:
+    """Say whether a file is one that is read, or one of those that are read of a folder."""
+    return file == read or (file.suffix.lower() in SUFFIXES and read in file.parents)
 
 
 def positive(text: str) -> float:

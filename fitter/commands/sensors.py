@@ -61,7 +61,7 @@ def sensors(arguments: argparse.Namespace) -> Document:
     prior = MountingPrior(
         arguments.scale_std, float(np.deg2rad(arguments.turn_std_deg)), 1e-3 * arguments.place_std_mm
     )
-    make_room(arguments.out)
+    make_room(arguments.out, read=arguments.data)
     notes = [note for run in runs for note in of_source(run.notes, run.name)]
     say_notes(notes)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())

@@ -57,7 +57,7 @@ def simulate_reference(arguments: argparse.Namespace) -> Document:
     mapping = parse_mapping(arguments.columns, arm.n_joint)
     read = read_motions(arguments.reference, arm.n_joint, mapping, arguments.rate_hz, required=(role,))
     trials = [piece for motion in read for piece in split_at_leaps(look(motion, arm))]
-    make_room(arguments.out, MOTION_SUFFIXES)
+    make_room(arguments.out, MOTION_SUFFIXES, [arguments.reference])
     parts: list[dict[str, NDArray[np.generic]]] = []
     notes: list[Note] = []
     labels = trial_column(trials)

@@ -69,7 +69,7 @@ def reduced(arguments: argparse.Namespace, arm: Arm, data: Sequence[Path]) -> Re
 def make(arguments: argparse.Namespace) -> Document:
     """Reduce trials and write their sums."""
     arm = questioned_arm(arguments.arm)
-    make_room(arguments.out, (".npz",))
+    make_room(arguments.out, (".npz",), arguments.data)
     reduction = reduced(arguments, arm, arguments.data)
     say_notes(reduction.notes)
     save_sums(arguments.out, reduction.saved)

@@ -69,7 +69,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def torque(arguments: argparse.Namespace) -> Document:
     """Compute the torques of all trials and write them on the motion's own times."""
     arm = questioned_arm(arguments.arm)
-    make_room(arguments.out, MOTION_SUFFIXES)
+    make_room(arguments.out, MOTION_SUFFIXES, [*arguments.motion, *arguments.ground])
     mapping = parse_mapping(arguments.columns, arm.n_joint)
     vectors = {**TIP, "base": BASE_ROLES}
     trials = [

@@ -80,7 +80,7 @@ def track(arguments: argparse.Namespace) -> Document:
     runs = load_raw(arguments.raw, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, arm=arm)
     given = arguments.initial_q
     q0 = None if given is None else joint_values(given, arm, "--initial-q")
-    make_room(arguments.out, MOTION_SUFFIXES)
+    make_room(arguments.out, MOTION_SUFFIXES, arguments.raw)
     tracked: list[Tracked] = []
     began = time.perf_counter()
     for run in progress(runs, "tracking", console=console, transient=True):

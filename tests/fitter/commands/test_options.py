@@ -12,6 +12,7 @@ from fitter.commands.options import (
     bounds_of,
     fixed_of,
     joint_values,
+    make_room,
     pairs,
     positive,
 )
@@ -40,6 +41,20 @@ def test_the_smallest_population_is_the_algorithms():
     GeneticAlgorithm(np.zeros(2), np.ones(2), rng, SMALLEST_POPULATION)
     with pytest.raises(ValueError, match="population"):
         GeneticAlgorithm(np.zeros(2), np.ones(2), rng, SMALLEST_POPULATION - 1)
+
+
+def test_a_file_that_is_read_is_not_written_over(tmp_path):
+    folder = tmp_path / "of one day"
+    folder.mkdir()
+    read = [None, folder, tmp_path / "run.csv"]
+    for name in ("run.csv", "motion.csv", "of one day/run.csv", "of one day/arm.toml"):
+        (tmp_path / name).touch()
+    for name in ("run.csv", "of one day/run.csv", "of one day/../run.csv"):
+        with pytest.raises(ConfigError, match="this file is read, and the result would take its place"):
+            make_room(tmp_path / name, read=read)
+    for name in ("motion.csv", "of one day/arm.toml", "of one day/another.csv"):
+        make_room(tmp_path / name, read=read)
+    make_room(tmp_path / "run.csv")
 
 
 def test_one_number_a_joint():
