@@ -55,6 +55,7 @@ $(BENCH_STAMP): $(TEST_STAMP)
 
 bench: $(BENCH_STAMP) ## the torque fit beside its peers (docs/benchmarks.md); acquisition; the trackers compared
 	$(BIN)/python -m benchmarks.speed --out docs/benchmarks.md
+	OMP_NUM_THREADS=1 $(BIN)/python -m benchmarks.many_joints
 	$(BIN)/python -m benchmarks.acquisition --seconds 60
 	$(BIN)/python -m benchmarks.touch --seconds 60
 	$(BIN)/python -m benchmarks.tracking --seeds 0-2

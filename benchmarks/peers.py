@@ -10,7 +10,6 @@ import argparse
 import os
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
 
@@ -23,7 +22,9 @@ from arm.base_parameters import BaseParameters
 from arm.model import Arm, Control, Floats
 from arm.regressor import regressor, standard_parameters
 from arm.structural_parameters import structural_parameters
+from benchmarks.pinocchio_model import pinocchio_model
 from benchmarks.searchers import SEARCHES, Cost, Search
+from benchmarks.timing import seconds
 from benchmarks.torque_fit import GENERATIONS, POPULATION, SAMPLES, bench_trials, breed
 from fitter.data.trial import Trial
 from fitter.dynamics.torque_problem import TorqueProblem, torque_problem
@@ -32,7 +33,6 @@ from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command, say, to_json
 
-REPEATS = 5
 #: Samples of which a peer makes the regressor, one by one.
 SOME_SAMPLES = 50_000
 #: A search is run for about so long, at least two generations.
@@ -114,16 +114,6 @@ def make_task(samples: int) -> Task:
     return Task(arm, base, trials, problem, np.concatenate(rows), np.concatenate(torques))
 
 
-def seconds(job: Callable[[], object], repeats: int = REPEATS) -> float:
-    """Return the processor's time for a job: the shortest of some runs."""
-    took = []
-    for _ in range(repeats):
-        begin = time.process_time()
-        job()
-        took.append(time.process_time() - begin)
-    return min(took)
-
-
 def ours(task: Task) -> dict[str, float]:
     """Return how long the parts of our own way take [s]."""
     prior = task.base.combination @ standard_parameters(task.arm)
@@ -143,17 +133,6 @@ def ours(task: Task) -> dict[str, float]:
         "search": seconds(search),
         "samples to parameters": seconds(lambda: (reduce(), search())),
     }
-
-
-def pinocchio_model(arm: Arm) -> pin.Model:
-    """Return a chain of joints that turn about z, with the arm's geometry, in pinocchio."""
-    model, parent, place = pin.Model(), 0, pin.SE3.Identity()
-    for i, joint in enumerate(arm.joints):
-        parent = model.addJoint(parent, pin.JointModelRZ(), place, f"joint{i + 1}")
-        inertia = pin.Inertia(joint.link.mass_kg, np.array(joint.link.com_m), 0.01 * np.eye(3))
-        model.appendBodyToJoint(parent, inertia, pin.SE3.Identity())
-        place = pin.SE3(np.eye(3), np.array([joint.a_m, 0.0, 0.0]))
-    return model
 
 
 def regressors(task: Task) -> dict[str, float]:

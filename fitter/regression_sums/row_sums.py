@@ -10,10 +10,11 @@ from numpy.typing import NDArray
 from arm.chain import Chain
 from arm.model import Floats
 from arm.regressor import torque_rows
+from arm.regressor_lanes import LANES
 from limbcal.compiled import compiled
 
-#: Samples whose rows are made at a time.
-_CHUNK = 64
+#: Samples whose rows are made at a time: of more, those of an arm of many joints would leave the cache.
+_CHUNK = LANES
 
 #: One block's gram, moment, power, row, torque and count, for every joint.
 BlockSums = tuple[Floats, Floats, Floats, Floats, Floats, Floats]
