@@ -8,27 +8,21 @@ from operator import attrgetter
 from daemon.acquisition.ring import Chunk, Mark
 from daemon.clock.device_clock import Clock, DeviceClock
 from daemon.clock.host_clock import HostClock
-from daemon.clock.sample_rate import SampleRate
 from daemon.clock.tick_counter import TickCounter
-from daemon.reception.channel_watch import ChannelWatch
 from daemon.reception.device_identity import DeviceIdentity
 from daemon.reception.doubted_frames import DoubtedFrames
-from daemon.reception.info_requests import InfoRequests
 from daemon.reception.loss_attribution import LossAttribution
-from daemon.reception.sample_ledger import Gap, SampleLedger
-from daemon.reception.sample_runs import CountedRuns, FrameTimes, Run, StepTimes
+from daemon.reception.sample_ledger import Gap
+from daemon.reception.sample_runs import Run, StepTimes
 from daemon.reception.sequencer import Sequencer
-from daemon.reception.tick_guard import TickGuard
-from protocol.serial_frame import HALF_WAY, SEQUENCES, InfoFrame, SamplesFrame, SamplesRun
+from daemon.reception.timed_samples import NewClock, TimedSamples
+from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
-
-NewClock = Callable[[float, int, int, int, float], Clock]
 
 #: A frame that waits for one before it waits no longer than this [ns].
 _PATIENCE_NS = 20_000_000
 #: Time without a byte that counts as silence [ns].
 _SILENCE_NS = 300_000_000
-_JUMPED = "the device's clock jumped"
 #: Period in which the rate is reckoned anew [ns].
 _LOOK_NS = 50_000_000
 #: Time [ns] and number of frames from which the rate is known, whichever comes later.
@@ -73,28 +67,26 @@ class Reception:
         self.info = introduction.info
         self.parser = parser
         self.sequencer = Sequencer()
-        self.ledger = SampleLedger(self.info.rate_hz, self.info.tick_hz)
-        self.rate = SampleRate(self.info.rate_hz, self.info.tick_hz)
-        self._steps = steps or self.rate
+        self.host = host or HostClock()
+        self._losses = LossAttribution(parser.counters)
+        self._timed = TimedSamples(self.info, self._losses, self.host, new_clock, steps)
+        self.ledger, self.requests, self.guard = self._timed.ledger, self._timed.requests, self._timed.guard
+        self.rate, self.watch = self._timed.rate, self._timed.watch
         self._counter = TickCounter(self.info.tick_hz)
-        self.requests = InfoRequests()
-        self.guard = TickGuard(self.ledger, self.requests)
         self._doubted = DoubtedFrames()
         self._first_ns: int | None = None
         self._look_ns = 0
-        self.watch = ChannelWatch(self.info.channels, self.info.rate_hz)
-        self.host = host or HostClock()
         self.identity = DeviceIdentity(self.info)
-        self.clock: Clock | None = None
-        self._new_clock = new_clock
         self.connected = True
         self.reconnects = 0
-        self._counted = CountedRuns(self.info.channels, self.watch)
-        self._losses = LossAttribution(parser.counters)
         self._arrival_ns = 0
-        self._new_gaps: list[Gap] = []
         self.sequencer.put(introduction)
         self.ledger.pass_over(introduction.sequence, introduction.ticks)
+
+    @property
+    def clock(self) -> Clock | None:
+        """The device's clock, from the first frame on."""
+        return self._timed.clock
 
     @property
     def awaits_info(self) -> bool:
@@ -136,13 +128,13 @@ class Reception:
         elif self._waits and (now_ns or time.monotonic_ns()) > self._arrival_ns + _PATIENCE_NS:
             self._pass_on(self.sequencer.release(), self._arrival_ns)
             self._decide(self._arrival_ns)
-        return self._counted.take()
+        return self._timed.take()
 
     def finish(self) -> list[Run]:
         """Give up what is missing before the frames that still wait for it, and return their samples."""
         self._pass_on(self.sequencer.release(), self._arrival_ns)
         self._settle(self._arrival_ns)
-        return self._counted.take()
+        return self._timed.take()
 
     @property
     def _waits(self) -> bool:
@@ -150,8 +142,7 @@ class Reception:
 
     def new_gaps(self) -> list[Gap]:
         """Return the gaps since the last time."""
-        gaps, self._new_gaps = self._new_gaps, []
-        return gaps
+        return self._timed.new_gaps()
 
     def dropped(self) -> None:
         """Note that the daemon itself had no room for what came."""
@@ -179,7 +170,7 @@ class Reception:
         last = next((one for one in reversed(passed) if not isinstance(one, InfoFrame)), None)
         for one in passed:
             if isinstance(one, SamplesRun) and self._goes_on(steady := self.guard.shifted(one)):
-                self._enter_run(steady, arrival_ns)
+                self._timed.enter_run(steady, arrival_ns)
                 continue
             if isinstance(last, SamplesRun):
                 last = last.last()
@@ -214,11 +205,13 @@ class Reception:
         self._decide(arrival_ns)
 
     def _guarded(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> None:
-        self.guard.take(frame, self._early_s(arrival_ns), lambda one, off: self._enter(one, last, arrival_ns, off))
+        self.guard.take(
+            frame, self._early_s(arrival_ns), lambda one, off: self._timed.enter(one, last, arrival_ns, off)
+        )
 
     def _decide(self, arrival_ns: int) -> None:
         """Enter the frame whose clock is in doubt."""
-        self.guard.settle(self._early_s(arrival_ns), lambda one, off: self._enter(one, one, arrival_ns, off))
+        self.guard.settle(self._early_s(arrival_ns), lambda one, off: self._timed.enter(one, one, arrival_ns, off))
 
     def _early_s(self, arrival_ns: int) -> Callable[[int], float]:
         """Return what says by how much something arrived before a tick was over [s]."""
@@ -234,14 +227,6 @@ class Reception:
         settled = not self._doubted and not self.guard.waiting
         return settled and self.identity.has(run.counts.shape[1]) and self.ledger.goes_on(run)
 
-    def _enter_run(self, run: SamplesRun, arrival_ns: int) -> None:
-        assert self.clock is not None
-        times = FrameTimes(self.ledger.position, run.frame_samples, run.ticks, self.clock, self._steps)
-        self._counted.add(times, run.counts)
-        self.ledger.enter_run(run)
-        self._losses.why = None
-        self.requests.samples_came(arrival_ns)
-
     def _meet(self, frame: InfoFrame, arrival_ns: int) -> None:
         self.requests.answered()
         waiting = self.identity.meet(frame.info)
@@ -250,65 +235,3 @@ class Reception:
                 self._pass_on([one.frame for one in together], came_ns)
             self._settle(arrival_ns)  # what waited comes before the INFO that it waited for
             self.ledger.pass_over(frame.sequence, frame.ticks)
-
-    def _enter(self, frame: SamplesFrame, last: SamplesFrame, arrival_ns: int, off: int | None = None) -> None:
-        """Enter a frame whose clock, if it was off, was so by some ticks."""
-        lost = self.ledger.missing(frame)
-        begun_anew = lost is None
-        if self.clock is None or lost is None:
-            by_host = self._start_clock(frame, last, arrival_ns)
-            lost = by_host if lost is None else lost
-        assert self.clock is not None
-        t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
-        if off is not None:
-            self._note(Gap(self.ledger.position, 0, t_ns, _jumped(off / self.info.tick_hz), False), _JUMPED)
-        if lost or begun_anew:
-            why = (
-                "the device was restarted" if begun_anew else self._losses.cause(lost, frame, self.ledger.follows)
-            )
-            sizes = self.ledger.sizes_with(frame)
-            infos = sizes.without_samples(self.ledger.frames_before(frame), lost)
-            by_number = infos is not None and infos <= self.requests.most
-            if infos and by_number and not self.requests.unplugged:
-                self.requests.answered(infos)
-            # A clock that resolves the samples of a frame distinguishes it from an INFO frame, which has none.
-            distinguished = not self.requests.most or self.ledger.resolves(lost, sizes.smallest)
-            exact = by_number and distinguished and sizes.are_one and not begun_anew and not self.guard.is_off
-            self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
-        first = self.ledger.position + lost
-        times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
-        self._counted.add(times, frame.counts, lost)
-        self.ledger.enter(frame, lost)
-        self._losses.why = None
-        self.requests.samples_came(arrival_ns)
-
-    def _note(self, gap: Gap, cause: str | None = None) -> None:
-        self.ledger.note(gap, cause)
-        self._new_gaps.append(gap)
-
-    def _start_clock(self, first: SamplesFrame, last: SamplesFrame, arrival_ns: int) -> int:
-        """Start a clock; return how many samples were lost since the one before it, by the host's clock.
-
-        The last sample that came with the first one was taken, at the latest, when it arrived.
-        """
-        before, due = self.clock, self.ledger.due_ticks
-        rate = 1.0 if before is None else before.state.rate
-        frames = (last.sequence - first.sequence) % SEQUENCES  # by number: clocks may be off
-        span_s = (frames * len(first.counts) * (frames < HALF_WAY) + len(last.counts)) / self._rate_hz
-        first_ns = arrival_ns - round(1e9 * span_s)
-        lost = 0
-        if before is not None:
-            assert due is not None
-            ended_ns = before.monotonic_ns(due)
-            lost = max(0, round((first_ns - ended_ns) * self._rate_hz / 1e9))
-            first_ns = max(first_ns, ended_ns)
-        self.clock = self._new_clock(self.info.tick_hz, first.ticks, first_ns, self.host.offset_ns, rate)
-        return lost
-
-    @property
-    def _rate_hz(self) -> float:
-        return self.rate.measured_hz or self.info.rate_hz
-
-
-def _jumped(by_s: float) -> str:
-    return f"{_JUMPED} by {by_s:+.3g} s"
