@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.model import Gyroscope
 from fitter.data.motion_file import write_motion
 from fitter.data.plausibility.refusal import Refusal
 from fitter.data.raw import RawRun, load_raw
 from limbcal.errors import ConfigError, DataError
+from protocol.message import RAW, encode
+from protocol.recording import RecordingWriter
 
 SENSORS = ("s1", "s2")
 N, RATE_HZ = 400, 100.0
@@ -114,3 +117,19 @@ def test_some_of_them_can_be_kept(tmp_path) -> None:
     assert kept.gyros == ("s2",)
     np.testing.assert_array_equal(kept.w, run.w[:, 3:])
     assert run.with_gyros(()).w is None
+
+
+@pytest.mark.parametrize("sensors", [("s2",), ("s1", "s2")])
+def test_a_recording_has_them_behind_all_accelerations(tmp_path, sensors) -> None:
+    arm = load_arm("dd-arm")
+    turned = {name: Gyroscope() for name in sensors}
+    triads = tuple(replace(one, gyroscope=turned.get(one.name)) for one in arm.sensors[:2])
+    a = 0.1 * np.random.default_rng(0).normal(size=(N, 6 + 3 * len(sensors)))
+    a[:, 2:6:3] += 9.81
+    fields = {"sample0": 0, "t0_ns": 10**18, "dt_s": 1.0 / RATE_HZ, "n": N, "a": a}
+    with RecordingWriter(tmp_path / "run.mcap", "schema = 1", "", clock=lambda: 0.0) as writer:
+        writer.write(RAW, encode(RAW, fields)[1], 0)
+    (run,) = load_raw([tmp_path / "run.mcap"], SENSORS, 2, arm=replace(arm, sensors=triads))
+    assert run.gyros == sensors and run.w is not None
+    np.testing.assert_array_equal(run.a, a[:, :6])
+    np.testing.assert_array_equal(run.w, a[:, 6:])

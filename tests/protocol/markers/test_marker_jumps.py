@@ -21,3 +21,17 @@ def test_leaps_with_another_cause_are_not_repeated():
     known = np.zeros(raw.points.shape[:2], dtype=bool)
     known[150:, 3] = True
     assert jumps(raw.labels, raw.points, RATE_HZ, known) == []
+    for frame in range(145, 156):  # the two frames before the leap and the two after it are of it
+        one = np.zeros_like(known)
+        one[frame, 3] = True
+        assert bool(jumps(raw.labels, raw.points, RATE_HZ, one)) == (frame not in range(148, 152))
+
+
+def test_a_leap_of_thirty_millimetres_is_one():
+    for size_m, count in ((0.028, 0), (0.032, 1)):
+        raw = walking()
+        none = np.zeros(raw.points.shape[:2], dtype=bool)
+        raw.points[150:, 3] = raw.points[149, 3]
+        raw.points[:150, 3] = raw.points[149, 3]
+        raw.points[150:, 3] += [size_m, 0.0, 0.0]
+        assert len(jumps(raw.labels, raw.points, RATE_HZ, none)) == count
