@@ -210,7 +210,6 @@ def engage(commands: Commands, effects: EffectTable, now: Floats, limit: Floats)
         effects.numbers[LIMIT, i] = limit[i] if now[ON, i] != 0.0 else 0.0
 
 
-@compiled
 def runge_kutta_steps(
     chain: Chain,
     law: Floats,
@@ -221,10 +220,12 @@ def runge_kutta_steps(
     motion: Floats,
     schedule: Floats,
 ) -> None:
-    """Fill in a motion without effects as `effect_steps` does; the rest is as in `Commands`."""
+    """Fill in a motion without effects as `effect_steps` does; the rest is as in `Commands`.
+
+    A kernel that calls another is optimised together with it: this one would take as long to compile again.
+    """
     n = drive.shape[1]
-    lead = np.empty((2, 0, n))
-    commands = Commands(law.copy(), given, drive, dt, 0.0)
+    commands, lead = Commands(law.copy(), given, drive, dt, 0.0), np.empty((2, 0, n))
     effect_steps(chain, commands, no_effects(n), make_room(n, 0), state, motion, lead, schedule)
 
 
