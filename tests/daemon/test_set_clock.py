@@ -12,6 +12,8 @@ from tests.daemon.live_run import Fields, Limbd, check, live_run, sent
 
 RATE_HZ = 8000.0
 HOUR_NS = 3600 * 10**9
+#: Stamps go after arrivals: where a busy machine was late with the first of them, they move by as much as that [s].
+LATE_S = 0.05
 #: The clock is ahead by this many hours from the sample on.
 SET = {24_000: 1, 48_000: 0, 72_000: -1}
 
@@ -59,7 +61,7 @@ def test_a_clock_that_is_set_by_an_hour_moves_no_stamp(
     stamps = np.array([block["t0_ns"] for block in heard[RAW]])
     samples = np.array([block["sample0"] for block in heard[RAW]])
     off_s = 1e-9 * np.diff(stamps) - np.diff(samples) / RATE_HZ
-    assert np.max(np.abs(off_s)) < 1e-3
+    assert np.median(np.abs(off_s)) < 1e-5 and np.max(np.abs(off_s)) < LATE_S
     assert stamps[0] < sets[0]["t_ns"] < sets[1]["t_ns"] < sets[2]["t_ns"]
     assert sets[2]["t_ns"] < stamps[-1] + 10**9
     clock = heard[HEALTH][-1]["clock"]
