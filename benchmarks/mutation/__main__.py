@@ -4,7 +4,8 @@ A sample of faults is put into a copy of the checkout, one at a time: a number o
 operator, a condition turned round, a loop never run, an exception not caught. The test file of the module's name
 runs, and if it passes, those nearest to it in its package. A fault that none of them notices has survived; where
 they take far longer with it than without, it counts as noticed. Test files that are slow without a fault are left
-out: where other programs have the processors busy, ``--patience`` keeps them in.
+out: where other programs have the processors busy, ``--patience`` keeps them in. A fault for which none remains
+is untried.
 
 Results are those of one commit: ``benchmarks/results/mutation-<commit>.jsonl``, a line a fault, which a later call
 adds to. Where the checkout differs from its commit they begin anew.
@@ -26,7 +27,7 @@ from rich.progress import (
 
 from benchmarks.mutation.checkout import Copy
 from benchmarks.mutation.mutants import Mutant, mutants_of, sample
-from benchmarks.mutation.trial import Runner, Trials, summary
+from benchmarks.mutation.trial import UNNOTICED, Runner, Trials, summary
 from benchmarks.record import append, known_lines, path_of, read_lines
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, console, emit, run_command
@@ -59,7 +60,7 @@ def chosen(options: argparse.Namespace) -> list[Mutant]:
         return sample(ROOT, paths, options.sample, options.seed)
     if not options.again.is_file():
         raise ConfigError(f"--again: there is no {options.again}")
-    keys = {line["key"] for line in read_lines(options.again) if line.get("outcome") == "survived"}
+    keys = {line["key"] for line in read_lines(options.again) if line.get("outcome") in UNNOTICED}
     every = (one for path in paths for one in mutants_of(path, (ROOT / path).read_text(encoding="utf-8")))
     return [mutant for mutant in every if mutant.key in keys]
 

@@ -23,6 +23,9 @@ LIMIT_FACTOR, LIMIT_MORE_S = 4.0, 15.0
 #: What the test file of the module's name, and any other, may take without a fault: one that takes longer is too
 #: slow to be run for each fault.
 SLOWEST_OWN_S, SLOWEST_S = 60.0, 15.0
+#: What may become of a fault; where no test file was fast enough to be run, it is not known.
+UNNOTICED = ("survived", "untried")
+OUTCOMES = ("killed", "timed out", *UNNOTICED)
 _FIRST_FAILED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
 
 
@@ -132,7 +135,7 @@ class Trials:
             if found["code"]:
                 outcome = "timed out" if found["code"] == TOO_LONG else "killed"
                 return line | {"outcome": outcome, "by": found["failed"] or file, "mirrored": file == own}
-        return line | {"outcome": "survived", "tried": tried}
+        return line | {"outcome": "survived" if tried else "untried", "tried": tried}
 
     def _usable(self, file: str, slowest_s: float) -> bool:
         """Say whether a test file passes without a fault, and soon enough."""
@@ -144,17 +147,18 @@ class Trials:
 
 def summary(lines: Sequence[Line]) -> str:
     """Return what became of the faults, and those that nobody noticed."""
-    counts = {name: sum(line["outcome"] == name for line in lines) for name in ("killed", "timed out", "survived")}
+    counts = {name: sum(line["outcome"] == name for line in lines) for name in OUTCOMES}
     noticed = counts["killed"] + counts["timed out"]
     own = sum(bool(line.get("mirrored")) for line in lines)
     share = 100.0 * noticed / len(lines) if lines else 0.0
-    survivors = [
-        f"{line['path']}:{line['line']}  {line['change']}" for line in lines if line["outcome"] == "survived"
-    ]
+    said = {
+        name: [f"{line['path']}:{line['line']}  {line['change']}" for line in lines if line["outcome"] == name]
+        for name in UNNOTICED
+    }
     return "\n".join(
         [
             f"{len(lines)} mutants: " + ", ".join(f"{count} {name}" for name, count in counts.items()),
             f"{share:.1f} % noticed; {own} by the test file of the module's name",
-            *(["survivors:", *sorted(survivors)] if survivors else []),
+            *(text for name, ones in said.items() if ones for text in (f"{name}:", *sorted(ones))),
         ]
     )

@@ -12,7 +12,7 @@ from tests.daemon.live_run import Fields, Limbd, check, live_run, sent
 
 RATE_HZ = 8000.0
 HOUR_NS = 3600 * 10**9
-#: Stamps go after arrivals: where a busy machine was late with the first of them, they move by as much as that [s].
+#: Stamps go after arrivals: where a busy machine was late with the first, they move by as much as that [s].
 LATE_S = 0.05
 #: The clock is ahead by this many hours from the sample on.
 SET = {24_000: 1, 48_000: 0, 72_000: -1}

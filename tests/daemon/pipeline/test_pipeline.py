@@ -236,3 +236,21 @@ def test_sensors_that_cannot_be_tracked_are_a_mistake_of_the_config() -> None:
     bare = Setup(setup.config, load_arm("dd-arm").__class__("bare", setup.arm.joints))
     with pytest.raises(ConfigError, match="sensor"):
         tracker_for(bare, RATE_HZ)
+
+
+def test_a_tracker_goes_on_by_a_rate_that_has_changed(
+    room: Make, counts: np.ndarray, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    here, rates = room(), list[float]()
+    here.play(10, counts)
+    now_ns = time.monotonic_ns()
+    monkeypatch.setattr(time, "monotonic_ns", lambda: now_ns + 300_000_000)
+    monkeypatch.setattr(here.reception.rate, "dt_s", lambda _ticks: 1.0 / RATE_HZ)
+    here.play(50, counts)
+    tracker = here.pipeline._tracker  # the one that begins when the rate is known
+    monkeypatch.setattr(tracker, "retime", rates.append)
+    for rate_hz in (RATE_HZ, 7680.0, 7680.0, 8040.0):
+        monkeypatch.setattr(here.reception.rate, "dt_s", lambda _ticks, rate_hz=rate_hz: 1.0 / rate_hz)
+        here.play(50, counts)
+    here.pipeline.finish()
+    assert rates == pytest.approx([7680.0, 8040.0])
