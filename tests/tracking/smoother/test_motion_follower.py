@@ -98,6 +98,16 @@ def test_draws_of_each_joint_are_of_one_motion(followed):
         assert np.abs(values.mean(axis=0)).max() < 0.6 * values.std(axis=0).max(), of
 
 
+def test_drawn_paths_go_where_drawn_joints_do(level_bench, followed):
+    """By other readings and other offsets, they are off together."""
+    drawn = followed.draws
+    for k in (1000, 1200):
+        begin, end = (sensor_positions(level_bench.arm, drawn.q[:, at])[:, 3] for at in (0, k))
+        gone, path = end - begin, drawn.points[:, k, 0]
+        assert min(np.corrcoef(gone[:, c], path[:, c])[0, 1] for c in range(2)) > 0.75
+        assert ((path - gone).std(axis=0) < 1.3e-3).all()
+
+
 def test_the_same_seed_gives_the_same_draws(level_bench, readings, followed):
     again = MotionFollower(level_bench.arm, 0, (3,)).follow(readings, level_bench.q[0], None, level_bench.q[-1])
     np.testing.assert_array_equal(again.draws.points, followed.draws.points)
