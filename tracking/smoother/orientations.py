@@ -146,7 +146,7 @@ def _at_rest(
     arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior, tries: list[tuple[int, ...]]
 ) -> list[tuple[int, ...]]:
     """Return the combinations that explain the first rest no worse than the best one does."""
-    first, size = readings.first_mean, 0
+    first = readings.first_mean
     g = float(np.linalg.norm(arm.gravity_m_s2))
     std = np.hypot(_OFFSET_STD, prior.turn_rad * g)
     left = np.empty(len(tries))

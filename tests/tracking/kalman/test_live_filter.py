@@ -50,6 +50,24 @@ def test_it_follows_the_compiled_filter(upright_bench, decimated, lost, corner_h
     np.testing.assert_allclose(states, compiled, rtol=0, atol=1e-6)
 
 
+def test_it_doubts_as_much_as_the_compiled_filter(upright_bench, decimated):
+    """Strokes that no motion explains, in a rest and in a motion."""
+    strokes = (90, 900, 1100)
+    whole = decimated(upright_bench, RATE_HZ)
+    values = whole.values[:1300].copy()
+    for k in strokes:
+        values[k, k % 12] += 40.0
+        values[k, (k + 5) % 12] -= 25.0
+    readings = replace(whole, values=values)
+    tracker = live(upright_bench.arm, readings, upright_bench.q[0])
+    for reading in values:
+        tracker.step(reading)
+    assert tracker.consistency().doubted == len(strokes)
+    states, still, compiled, held = both(upright_bench.arm, readings, upright_bench.q[0])
+    np.testing.assert_array_equal(still, held)
+    np.testing.assert_allclose(states, compiled, rtol=0, atol=1e-6)
+
+
 def test_it_begins_slow_though_the_arm_moves(upright_bench, decimated):
     readings = decimated(upright_bench, RATE_HZ)
     begin = int(np.argmax(np.ptp(readings.values[:300], axis=1))) + 60

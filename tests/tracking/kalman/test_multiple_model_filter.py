@@ -1,11 +1,13 @@
 """After a gap within a motion the joints turn the way they do, which no single instant shows."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from arm.bench import Bench
+from tracking.kalman import multiple_model_filter as module
 from tracking.kalman.kalman_filter import KalmanTracker
 from tracking.kalman.multiple_model_filter import MultipleModelFilter, _stretches
 from tracking.model.decimation import Decimator
@@ -122,3 +124,92 @@ def test_ways_are_the_same_that_turn_at_the_same_speeds(seen, apart: float, alik
     other[[1, 4]] = x[1], x[4] + apart
     assert one._alike(x, other) is alike
     assert one._alike(other, x) is alike
+
+
+@pytest.fixture
+def one(seen) -> MultipleModelFilter:
+    arm, readings, noise = seen
+    return MultipleModelFilter(arm, np.zeros(2), True, readings[:250], noise, FACTOR, FACTOR / RATE_HZ)
+
+
+def test_a_search_begins_with_every_joint_turning_either_way(one) -> None:
+    """Each a bit more than twice as fast as the one before it; nothing else is changed."""
+    state = np.arange(18.0) + 100.0
+    begun = list(one._beginnings(state))
+    assert [tuple(x[[1, 4]]) for x in begun] == [(0.5, 1.1), (0.5, -1.1), (-0.5, 1.1), (-0.5, -1.1)]
+    for x in begun:
+        np.testing.assert_array_equal(np.delete(x, [1, 4]), np.delete(state, [1, 4]))
+    one._n = 8
+    begun = list(one._beginnings(np.zeros(40)))
+    assert len(begun) == 64 and not np.any([x[18:] for x in begun])  # of six joints, and no more
+
+
+@pytest.mark.parametrize(
+    ("followed", "span"),
+    [(0, 10), (7, 3), (20, 10), (29, 1), (30, 2), (31, 1), (32, 8), (39, 1), (40, 10), (3005, 5)],
+)
+def test_it_is_asked_which_way_is_best_every_ten_frames_and_after_the_first_moment(one, followed, span) -> None:
+    one._followed = followed
+    assert one._to_decision() == span
+
+
+def way(misfit: float, speed: float) -> SimpleNamespace:
+    x = np.zeros(18)
+    x[4] = speed
+    return SimpleNamespace(misfit=misfit, x=x)
+
+
+def test_ways_that_are_much_worse_or_alike_are_given_up(one) -> None:
+    best, near, same, far = way(5.0, 0.1), way(44.9, -0.5), way(6.0, 0.11), way(45.1, 0.9)
+    one._filter, one._rivals = best, [best, same, near, far]
+    assert one._still_possible() == [best, near]
+    one._rivals = [best, same, far]
+    assert one._still_possible() == []  # decided
+
+
+def test_all_ways_that_are_left_hear_of_other_frames_and_noise(one) -> None:
+    said = []
+    told = [
+        SimpleNamespace(
+            retime=lambda dt, k=k: said.append((k, dt)),
+            learn=lambda noise, k=k: said.append((k, noise)),
+        )
+        for k in range(3)
+    ]
+    one._rivals, one._lost, one._filter = told[:2], told[2], told[0]
+    one.retime(0.5)
+    one.learn("noise")
+    assert said == [(0, 0.5), (1, 0.5), (2, 0.5), (0, "noise"), (1, "noise"), (2, "noise")]
+    said.clear()
+    one._rivals = []
+    one.retime(0.5)
+    one.learn("noise")
+    assert said == [(0, 0.5), (0, "noise")]
+
+
+class Rival(SimpleNamespace):
+    """Stands for a filter that explains readings so badly; filters are told apart by what they are."""
+
+    __hash__ = object.__hash__
+
+
+def test_ways_are_followed_for_three_seconds(one) -> None:
+    """Asked for the last time, it goes on with the best and forgets the others."""
+    course = np.zeros(1)
+    rivals = [Rival(misfit=misfit, x=way(misfit, misfit).x, follow=lambda _: course) for misfit in (3.0, 1.0)]
+    for followed, left in ((2980, 2), (2989, 2), (2990, 0)):
+        one._rivals, one._filter, one._followed = rivals[:], rivals[0], followed
+        one._compete(np.zeros((one._to_decision(), 12)))
+        assert len(one._rivals) == left and one._filter is rivals[1]
+
+
+def test_no_more_than_eight_ways_are_followed_the_likeliest_first(one, monkeypatch) -> None:
+    misfits = iter([7.0, 3.0, np.inf, 1.0, *np.arange(20.0, 28.0)])
+    states = iter(np.arange(1.0, 13.0)[:, None] * np.ones(18))
+    supposed = []
+    monkeypatch.setattr(module, "_explained", lambda *_: (next(states), next(misfits)))
+    monkeypatch.setattr(one, "_beginnings", lambda _: range(12))
+    monkeypatch.setattr(module.RestartedFilter, "regain", lambda *_: None)
+    monkeypatch.setattr(module.RestartedFilter, "suppose", lambda _, readings, at: supposed.append(at[0]))
+    assert len(one._ways(np.zeros((1, 12)))) == 8
+    assert supposed == [4.0, 2.0, 1.0, 5.0, 6.0, 7.0, 8.0, 9.0]

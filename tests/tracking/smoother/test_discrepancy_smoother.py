@@ -1,5 +1,6 @@
 """An arm that is not quite the one in its file, on a base that may move: angles, claims, what is found of it."""
 
+from types import SimpleNamespace
 from typing import NamedTuple
 
 import numpy as np
@@ -9,7 +10,7 @@ from arm.accelerometer import specific_force
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm
 from tracking.model.readings import Readings, ReadingsBuilder
-from tracking.smoother.discrepancy_smoother import DiscrepancySmoother
+from tracking.smoother.discrepancy_smoother import DiscrepancySmoother, _rest_at_every_frame
 from tracking.smoother.smoothed_frames import most_probable
 
 RATE_HZ, SECONDS, REST_S, NOISE = 100.0, 6.0, 1.0, 0.02
@@ -98,3 +99,15 @@ def test_a_gap_is_bridged(vertical_arm: Arm) -> None:
     found = DiscrepancySmoother(vertical_arm, np.zeros(2), True).smooth(one.readings)
     assert np.isfinite(found.states).all() and np.isfinite(found.variance).all()
     assert within_3_std(found, one.q) > 0.97
+
+
+@pytest.mark.parametrize(
+    ("n", "rows"), [(12, [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2]), (5, [0] * 4 + [1]), (14, None)]
+)
+def test_a_coarse_rest_is_held_at_each_of_its_frames(n: int, rows: list[int] | None) -> None:
+    """Each says as little more as there are of them; beyond the last one that holds."""
+    rest = np.array([[1.0, 2.0], [0.0, 0.0], [5.0, 7.0]])
+    exact = SimpleNamespace(course=SimpleNamespace(dt=0.04, rest=rest))
+    found = _rest_at_every_frame(exact, SimpleNamespace(dt=0.01, readings=np.zeros((n, 12))))  # type: ignore[arg-type]
+    every = rows or [0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 2, 2]
+    np.testing.assert_array_equal(found, 4.0 * rest[every])

@@ -1,10 +1,12 @@
 """What is said of sensors' numbers: values, what a motion showed, and what it showed only together."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from arm.model import Gyroscope
 from tracking.model.observation import observation_of
 from tracking.smoother.sensor_estimates import clock_estimates, covariance_of, estimates_of, hidden_of
 
@@ -76,3 +78,50 @@ def test_clocks_are_those_of_the_other_sensors(dd_arm, before):
     assert [one.sensor for one in found] == [sensor.name for sensor in dd_arm.sensors[1:]]
     assert [one.value for one in found] == pytest.approx(late[1:])
     assert all(one.revealed and one.unit == "s" for one in found)
+
+
+def test_ac_coupled_sensors_and_gyroscopes_have_numbers_of_their_own(dd_arm):
+    """An offset is what a sensor settles at, a corner in Hz; a gyroscope's scale is counted from its file's."""
+    first, second, *others = dd_arm.sensors
+    turning = replace(second, gyroscope=Gyroscope(scale=(1.5, 2.0, 2.5)))
+    arm = replace(dd_arm, sensors=(replace(first, highpass_hz=0.5), turning, *others))
+    of, size = observation_of(arm, mountings=True)
+    prior = np.eye(size)
+    after = known(prior.copy())
+    own = of.settled_column, of.corner_column, of.gyro_scale_column
+    settled, corner, scale = (int(columns.max()) for columns in own)
+    after.final[settled : settled + 3] = [0.1, 0.2, 0.3]
+    after.final[corner], after.covariance[corner, corner] = 2.0 * np.pi * 0.1, (2.0 * np.pi * 0.02) ** 2
+    after.final[scale + 1] = 0.01
+    bias = 3 * arm.n_joint + 3 * len(arm.sensors)
+    after.final[bias : bias + 3] = [4.0, 5.0, 6.0]
+    found = {(one.sensor, one.name): one for one in estimates_of(arm, of, after, prior)}
+    expected = {
+        **{(first.name, f"bias_{axis}"): (0.1 * (k + 1), 1.0, "m/s^2") for k, axis in enumerate("xyz")},
+        (first.name, "highpass_hz"): (0.6, 0.02, "Hz"),
+        **{(second.name, f"gyro_bias_{axis}"): (4.0 + k, 1.0, "rad/s") for k, axis in enumerate("xyz")},
+        **{
+            (second.name, f"gyro_scale_{axis}"): (value, 1.0, "1")
+            for axis, value in zip("xyz", (1.5, 2.01, 2.5), strict=True)
+        },
+        (others[0].name, "bias_x"): (0.0, 1.0, "m/s^2"),
+        (others[0].name, "turn_z"): (0.0, 1.0, "rad"),
+    }
+    for key, said in expected.items():
+        assert (found[key].value, found[key].std, found[key].unit) == pytest.approx(said), key
+    assert len(found) == 12 * len(arm.sensors) + 1 + 6
+    assert [key for key, one in found.items() if one.revealed] == [(first.name, "highpass_hz")]
+    assert len(covariance_of(arm, of, after).parameters) == len(found) - 1  # a corner is of no use to it
+
+
+def test_of_a_combination_the_parts_that_count_are_named_with_their_signs(dd_arm, before):
+    of, prior = before
+    places = [int(of.mounting_column[s]) + 6 for s in range(4)]
+    names = [sensor.name for sensor in dd_arm.sensors]
+    along = np.zeros(len(prior))
+    along[places] = [0.80, -0.45, 0.36, 0.167]
+    covariance = np.diag(np.full(len(prior), 1e-6)) + 0.04**2 * np.outer(along, along) / (along @ along)
+    (sentence,) = hidden_of(dd_arm, of, known(covariance), prior)
+    assert sentence == f"these do not show together: {names[0]} place_x - {names[1]} place_x + {names[2]} place_x"
+    known_better = np.diag(np.full(len(prior), 1e-6)) + 0.019**2 * np.outer(along, along) / (along @ along)
+    assert hidden_of(dd_arm, of, known(known_better), prior) == []

@@ -9,7 +9,7 @@ from tracking.model.noise import Noise
 from tracking.model.readings import Readings
 from tracking.smoother import smoothed_frames
 from tracking.smoother.smoothed_frames import SmoothedMotion, smooth_motion
-from tracking.smoother.windows import LOOK_AHEAD_S, Window, windows_of
+from tracking.smoother.windows import LOOK_AHEAD_S, Window, _calmest, windows_of
 
 #: Instants of a window in these tests: half a minute.
 SHORT = 3000
@@ -44,6 +44,41 @@ def test_no_window_begins_in_a_gap():
     values[2300:3700] = np.nan
     end = windows_of(readings_of(values), SHORT)[0].end
     assert np.isfinite(values[end : end + 25]).all() and end >= 3700
+
+
+@pytest.mark.parametrize(
+    ("scatters", "expected"),
+    [
+        *(
+            (([9.0] * 3, [5.0] * 3, [7.0] * 3, [6.0] * 3, [1.0] * 3), 25),
+            (([9.0] * 3, *[[8.0] * 3] * 2, [6.0] * 3), 75),
+        ),
+        *((([4.0, 4.0, 4.0], [5.0, 1.0, 0.0], [4.0, 3.0, 1.0]), 0), (([4.0, 4.0, 4.0], [1.0, 3.9, 1.0]), 25)),
+    ],
+)
+def test_calmest_is_where_the_loudest_channel_scatters_least(scatters, expected):
+    """Of the quarters of a second that begin within the first 100 frames; where channels stand says nothing."""
+    here, there = np.arange(25) % 2 == 0, [[9.0] * 3] * (8 - len(scatters))
+    parts = [np.where(here[:, None], 1.0, -1.0) * one + [0.0, 50.0, -80.0] for one in [*scatters, *there]]
+    assert _calmest(np.vstack(parts), 76, 0.01) == expected
+
+
+def test_calmest_in_gaps_is_the_first_that_was_read():
+    values = np.full((200, 2), np.nan)
+    assert _calmest(values, 50, 0.01) == 199
+    values[60:] = np.random.default_rng(0).normal(size=(140, 2))
+    assert _calmest(values, 50, 0.01) == 75
+    values[20:50] = 9.0
+    assert _calmest(values, 50, 0.01) == 25
+
+
+@pytest.mark.parametrize(("n", "count"), [(4600, 1), (4601, 2)])
+def test_a_fifth_and_what_lies_ahead_may_be_more(n, count):
+    """Windows of 3000 frames to a fifth and ten seconds ahead of them."""
+    windows = windows_of(readings_of(np.zeros((n, 3))), SHORT)
+    assert len(windows) == count
+    if count == 2:
+        assert windows == [Window(0, 2400, 3400), Window(2400, n, n)]
 
 
 def test_a_window_has_its_own_readings_on_the_same_clock():
