@@ -86,14 +86,17 @@ class Conversion:
     def __init__(self, channels: Sequence[Channel]) -> None:
         self._scale = np.array([channel.scale for channel in channels])
         self._offset = np.array([channel.offset for channel in channels])
-        none = CountRun(0, 0, [], [])
-        self.run(none, np.empty((0, len(channels)), dtype=np.int16))  # no sample is to wait for a compiler
+        self.accelerations(np.empty((0, len(channels)), dtype=np.int16))  # no sample is to wait for a compiler
 
     def run(self, counted: CountRun, counts: Counts) -> Run:
         """Return the run of what was counted."""
+        return Run(counted.lost, counted.sample0, counted.times, self.accelerations(counts))
+
+    def accelerations(self, counts: Counts) -> Floats:
+        """Return what counts are [m/s^2]."""
         a = np.empty(counts.shape)
         _accelerations(counts, self._scale, self._offset, a)
-        return Run(counted.lost, counted.sample0, counted.times, a)
+        return a
 
 
 class CountedRuns:

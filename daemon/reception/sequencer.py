@@ -37,7 +37,9 @@ class Sequencer:
 
     def put(self, frame: Frame) -> list[Frame]:
         """Take a frame as it came; return those whose turn it is."""
-        ahead = 0 if self._due is None else _signed(frame.sequence - self._due)
+        if self._due is None:
+            return self._in_turn(frame)
+        ahead = _signed(frame.sequence - self._due)
         if -_NEAR <= ahead < 0 and self._is_old(frame):
             return []
         if abs(ahead) > _NEAR or ahead < 0:

@@ -5,7 +5,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from daemon.clock.device_clock import DeviceClock
+from daemon.clock.device_clock import DeviceClock, _believed
+from daemon.clock.least_late import Line
 
 TICK_HZ = 1e6
 UTC_NS = 1_700_000_000_000_000_000
@@ -132,3 +133,17 @@ def test_what_all_arrivals_are_late_by_is_an_error_of_the_stamps() -> None:
     for k in range(500, 560):
         clock.note(10_000 * k, START_NS + 10_000_000 * k + 33_000_000)  # thirty more than before
     assert clock.state.error_ms == pytest.approx(30.0, abs=3.0)
+
+
+@pytest.mark.parametrize("std", [2e-6, 50e-6, 400e-6])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_a_crystal_s_rate_is_the_mean_by_inverse_variances(std: float, sign: float) -> None:
+    """Of what was measured and of 0 +- 50 ppm, up to three standard errors of both together."""
+    both, crystal, scatter = float(np.hypot(std, 50e-6)), 50e-6**-2, 3e-6
+    off = sign * 2.99 * both
+    rate, rate_std, slope = _believed(Line(1.0 + off, scatter, std, 0.0, 0.0, 0.0, 1.0))
+    assert rate - 1.0 == pytest.approx(off * std**-2 / (std**-2 + crystal), rel=1e-6)
+    assert rate_std == pytest.approx((std**-2 + crystal) ** -0.5)
+    assert slope - 1.0 == pytest.approx(off * scatter**-2 / (scatter**-2 + crystal), rel=1e-6)
+    beyond = 1.0 + sign * 3.01 * both
+    assert _believed(Line(beyond, scatter, std, 0.0, 0.0, 0.0, 1.0)) == (beyond, std, beyond)

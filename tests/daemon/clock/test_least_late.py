@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy.stats import linregress
 
 from daemon.clock.least_late import LeastLate, Line
 
@@ -37,3 +38,74 @@ def test_a_stall_of_all_arrivals_is_an_outlier() -> None:
 
 def test_too_few_arrivals_are_no_line() -> None:
     assert followed(1.0, 0.15, np.zeros(100)) is None
+
+
+def in_stretches(late_s: np.ndarray, rate: float = 1.0) -> LeastLate:
+    """Return what noted one arrival that counts in each stretch of an eighth of a second, so much late."""
+    arrivals = LeastLate(rate)
+    for k, late in enumerate(late_s):
+        assert not arrivals.note(k / 8, rate * k / 8 + 9.0)
+        assert arrivals.note((k + 0.5) / 8, rate * (k + 0.5) / 8 + float(late))
+    return arrivals
+
+
+def test_the_line_is_that_of_least_squares() -> None:
+    late = 0.001 * np.array([3.0, 1.0, 2.0, 4.0, 2.0, 1.5, 3.5])
+    line = in_stretches(late).line()
+    device = (np.arange(7) + 0.5) / 8
+    by_scipy = linregress(device, device + late)
+    assert line is not None
+    assert line.rate == pytest.approx(by_scipy.slope, abs=1e-12)
+    assert line.scatter_std == pytest.approx(by_scipy.stderr)
+    assert line.spread_s == pytest.approx(by_scipy.stderr * np.sqrt(np.sum((device - device.mean()) ** 2)))
+    assert (line.device_s, line.host_s) == pytest.approx((device.mean(), (device + late).mean()))
+    assert line.span_s == pytest.approx(6 / 8)
+    assert line.rate_std == pytest.approx(np.hypot(by_scipy.stderr, 0.01 / 3.0 / 0.75))
+
+
+def test_an_outlier_is_left_out_of_line_and_spread() -> None:
+    late = 0.001 * np.array([3.0, 1.0, 2.0, 4.0, 2.0, 1.5, 3.5, 500.0, 2.0, 3.0, 1.0, 2.0])
+    line, device = in_stretches(late).line(), (np.arange(12) + 0.5) / 8
+    rest = np.arange(12) != 7
+    by_scipy = linregress(device[rest], (device + late)[rest])
+    assert line is not None
+    assert (line.rate, line.scatter_std) == pytest.approx((by_scipy.slope, by_scipy.stderr))
+    assert (line.device_s, line.span_s) == pytest.approx((device[rest].mean(), 11 / 8))
+
+
+def test_four_stretches_are_a_line_and_three_are_none() -> None:
+    assert in_stretches(np.zeros(3)).line() is None
+    assert in_stretches(np.zeros(4)).line() is not None
+
+
+@pytest.mark.parametrize("late_s", [[0.0, 0.5], [0.5, 0.0]])
+def test_stretches_are_joined_by_the_least_late(late_s: list[float]) -> None:
+    line = in_stretches(np.tile(late_s, 8)).line()
+    assert line is not None
+    assert (line.rate, line.spread_s, line.span_s) == pytest.approx((1.0, 0.0, 14 / 8), abs=1e-12)
+
+
+def test_stretches_grow_to_four_seconds_and_256_are_kept() -> None:
+    arrivals, gaps, last = LeastLate(1.0), [], -1
+    for k in range(33_000):
+        if arrivals.note(k / 16, k / 16):
+            gaps.append(k - last)
+            last = k
+    grown = [2] * 16 + [3] * 8 + [5] * 8 + [9] * 8 + [17] * 248 + [33] * 128
+    assert gaps[: len(grown)] == grown
+    assert len(gaps) > len(grown) + 256 and set(gaps[len(grown) :]) == {65}
+    line = arrivals.line()
+    assert line is not None and line.span_s == 255 * 65 / 16
+
+
+def test_lateness_is_judged_by_the_rate_given_and_then_by_the_line() -> None:
+    told, found = LeastLate(0.5), in_stretches(np.zeros(4), rate=0.5)
+    assert found.line() is not None
+    for arrivals in (told, found):
+        for k in range(4, 8):  # the first of each two is less late, by 10 ms
+            arrivals.note(k / 8, 0.5 * k / 8)
+            arrivals.note((k + 0.5) / 8, 0.5 * (k + 0.5) / 8 + 0.01)
+    first, second = told.line(), found.line()
+    assert first is not None and second is not None
+    assert (first.rate, first.device_s) == pytest.approx((0.5, 5.5 / 8))
+    assert (second.rate, second.device_s) == pytest.approx((0.5, (2.0 + 5.5) / 2 / 8))

@@ -50,3 +50,33 @@ def test_stamps_wait_for_arrivals_that_they_are_ahead_of() -> None:
     line.hold_back(1.05, 1.03)
     assert line.stamp(1.05) == pytest.approx(1.03)
     assert line.at(1.06) == pytest.approx(1.04)
+
+
+@pytest.mark.parametrize(
+    ("offset_s", "rate"), [(1.0, 1.01), (0.11, 1.01), (0.02, 1.002), (-0.02, 0.998), (-0.11, 0.99), (-1.0, 0.99)]
+)
+def test_a_line_is_approached_in_ten_seconds_by_a_hundredth_at_most(offset_s: float, rate: float) -> None:
+    line = StampLine(1.0)
+    line.stamp(2.0)
+    assert line.approach(1.0, offset_s) == pytest.approx(abs(offset_s))
+    assert line.at(3.0) - 2.0 == pytest.approx(rate)
+    assert (line.at(-1.0), line.at(1.0)) == pytest.approx((-1.0, 1.0))
+
+
+def test_before_anything_is_stamped_all_of_the_line_is_held_back() -> None:
+    line = StampLine(2.0)
+    line.hold_back(1.0, 2.0)
+    assert (line.at(0.0), line.at(1.0)) == (0.0, 2.0)
+    line.hold_back(1.0, 1.5)
+    assert (line.at(0.0), line.at(1.0)) == (-0.5, 1.5)
+
+
+def test_what_was_stamped_is_neither_held_back_nor_caught_up() -> None:
+    line = StampLine(2.0)
+    line.stamp(1.0)
+    line.stamp(0.5)
+    line.hold_back(1.0, 0.0)
+    assert line.at(3.0) == 6.0
+    line.catch_up(0.25)
+    assert (line.at(0.5), line.at(1.0)) == (1.0, 2.0)
+    assert line.at(3.0) == pytest.approx(6.25)

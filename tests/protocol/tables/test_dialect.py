@@ -233,3 +233,8 @@ def test_a_stamp_is_a_value(cell):
     assert is_stamp(cell) and is_value(cell, ".") and is_value(cell, ",")
     assert not is_stamp("2024-05-01") and not is_value("12:30", ".")
     assert is_value("1,5", ",") and not is_value("1,5", ".") and is_value("1,5", "")
+
+
+@pytest.mark.parametrize(("rows", "preamble"), [("0,1\n", 0), ("0,1\n1,2\n", 0), ("0,1\n1,2\n2,3\n", 1)])
+def test_names_behind_text_need_two_rows_besides_the_last(rows, preamble):
+    assert of("Export\nt,q\n" + rows).preamble == preamble

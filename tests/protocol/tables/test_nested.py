@@ -329,3 +329,9 @@ def test_the_last_name_of_an_address_states_the_unit(tmp_path):
     assert degree is not None and degree.factor == pytest.approx(np.pi / 180.0)
     assert file.unit("log_ms.q_deg", ("angle",)) == file.unit("log_ms.q_deg[1]", ("angle",)) == degree
     assert file.unit("log_ms.t", ("time",)) is None
+
+
+def test_columns_without_cells_are_one_motion(tmp_path):
+    path = tmp_path / "run.json"
+    path.write_text(json.dumps({"t": [0.0, 0.5, 1.0], "q": [1.0, 2.0, 4.0]}), encoding="utf-8")
+    assert [table.tolist() for table in read(path, "t", "q")] == [[[0.0, 1.0], [0.5, 2.0], [1.0, 4.0]]]
