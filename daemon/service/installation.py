@@ -1,5 +1,6 @@
 """`limbd install`: units, the udev rule, the user and a first config, laid down under a prefix and taken away."""
 
+import re
 import sys
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -79,13 +80,19 @@ def install(prefix: Path, dry_run: bool = False, remove: bool = False) -> Mappin
 
 
 def _lay_down(target: Path, piece: _Piece, dry_run: bool) -> str:
-    text = _source(piece.source).read_text(encoding="utf-8").replace(_BIN, str(Path(sys.executable).parent))
-    if target.exists() and (piece.theirs or target.read_text(encoding="utf-8") == text):
+    text = re.sub(rf"{_BIN}/(\w+)", _called, _source(piece.source).read_text(encoding="utf-8")).encode()
+    if target.exists() and (piece.theirs or target.read_bytes() == text):
         return "kept" if piece.theirs else "there already"
     if not dry_run:
         target.parent.mkdir(parents=True, exist_ok=True)
-        target.write_text(text, encoding="utf-8")
+        target.write_bytes(text)
     return "written"
+
+
+def _called(program: re.Match[str]) -> str:
+    """Return a program's path as ExecStart= reads it: it parts words at spaces, and % begins a specifier."""
+    path = Path(sys.executable).parent / program[1]
+    return '"' + str(path).replace("%", "%%") + '"'
 
 
 def _take_away(target: Path, piece: _Piece, dry_run: bool) -> str:

@@ -4,6 +4,7 @@ import argparse
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 from rich.progress import Progress
 from rich.table import Table
 
@@ -72,7 +73,7 @@ def excite(arguments: argparse.Namespace) -> Document:
             progress=lambda: bar.advance(task),
         )
     _write(arguments.out, found, bench, arm.control.law == "measured")
-    _print(found)
+    _print(found, turns)
     given = {
         name: getattr(arguments, option) is not None
         for name, option in (("angle_deg", "max_angle_deg"), ("speed", "max_speed"), ("torque", "max_torque"))
@@ -135,7 +136,7 @@ def _document(limits: Limits, turns: Floats) -> dict[str, object]:
     return {"angle_deg": angle, "speed": limits.speed, "torque": limits.torque}
 
 
-def _print(found: Suggestion) -> None:
+def _print(found: Suggestion, turns: NDArray[np.bool_]) -> None:
     table = Table(title=f"predicted standard errors, {NOISE:.0%} noise of the torque")
     for column in ("parameter", "arm file", "suggested", "random"):
         table.add_column(column, justify="left" if column == "parameter" else "right")
@@ -146,11 +147,17 @@ def _print(found: Suggestion) -> None:
     show(table)
     show(
         f"condition {found.suggested.condition_number:.3g}, of random motion {found.random.condition_number:.3g}; "
-        f"reaches {_listed(np.rad2deg(found.reached.angle))}°, {_listed(found.reached.speed)} rad/s, "
-        f"{_listed(found.reached.torque)} N·m, of at most {_listed(np.rad2deg(found.limits.angle))}°, "
-        f"{_listed(found.limits.speed)} rad/s, {_listed(found.limits.torque)} N·m"
+        f"reaches {_reached(found.reached, turns)}, of at most {_reached(found.limits, turns)}"
     )
 
 
-def _listed(values: Floats) -> str:
-    return ", ".join(f"{value:.3g}" for value in values)
+def _reached(limits: Limits, turns: NDArray[np.bool_]) -> str:
+    """Say angles, speeds and torques, or where joints slide ways and forces; a unit once if it is that of all."""
+    angle = np.where(turns, np.rad2deg(limits.angle), limits.angle)
+    columns = ((angle, "°", " m"), (limits.speed, " rad/s", " m/s"), (limits.torque, " N·m", " N"))
+    said = []
+    for values, turning, sliding in columns:
+        units = [turning if turn else sliding for turn in turns]
+        shown = [unit if after != unit else "" for unit, after in zip(units, [*units[1:], ""], strict=True)]
+        said.append(", ".join(f"{value:.3g}{unit}" for value, unit in zip(values, shown, strict=True)))
+    return ", ".join(said)

@@ -133,7 +133,12 @@ def _follow(
     except LimbcalError as error:  # what was learnt until then is not lost
         followed.trouble = error
     stream.stop()
-    session.conclude()
+    try:
+        session.conclude()
+    except KeyboardInterrupt:
+        followed.stopped = True
+        say("stopped: written is what was known after the last motion")
+        return followed
     if arguments.diagnose and session.calibration.learnt:
         followed.diagnosis = live_diagnosis(session.calibration)
         if followed.diagnosis is not None:

@@ -13,7 +13,6 @@ from fitter.regression_sums.reduction import Reduction, reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, load_sums, save_sums
 from limbcal.arguments import Parser
 from limbcal.command import Document, console, say_notes, show
-from limbcal.errors import ConfigError
 from limbcal.note import documents
 
 #: As it stands in the help.
@@ -81,9 +80,6 @@ def add(arguments: argparse.Namespace) -> Document:
     """Add sums up and write the result."""
     make_room(arguments.out, (".npz",))
     paths: list[Path] = arguments.parts
-    twice = [str(path) for k, path in enumerate(paths) if path.resolve() in {p.resolve() for p in paths[:k]}]
-    if twice:
-        raise ConfigError(f"{twice[0]} is named twice, expected sums of different trials")
     saved = add_sums([load_sums(path) for path in paths], [str(path) for path in paths])
     save_sums(arguments.out, saved)
     return _document(arguments.out, saved)

@@ -117,10 +117,11 @@ class Calibration:
             return
         for _ in range(_LITTER):
             self.breed()
-        self._known = None
+        known = None
         if self.geometry.is_determined.any():
             self.geometry.polish()
-            self._known = fit_of(self.geometry, self.learn)
+            known = fit_of(self.geometry, self.learn)
+        self._known = known
 
     def learn_dynamics(self, progress: Callable[[int, float], None] | None = None) -> None:
         """Learn geometry and then dynamics of the arm from all learning motions so far."""
@@ -144,15 +145,20 @@ class Calibration:
         """Search once more from the beginning, with all motions that there were, and learn the dynamics.
 
         How far the population has come while they came in depends on the machine; this depends on nothing but
-        motions and seed.
+        motions and seed. Where it is interrupted, what was known before is what is known.
         """
-        self.geometry = IncrementalKinematics(self.arm, self.seed)
-        for number, trial in enumerate(self.learn, 1):
-            self._add_to_geometry(trial, number)
-        while self.breed():
-            pass
-        if self.learn:
-            self.learn_dynamics()
+        before = self.geometry, self._known, self.dynamics, self.doubt
+        try:
+            self.geometry = IncrementalKinematics(self.arm, self.seed)
+            for number, trial in enumerate(self.learn, 1):
+                self._add_to_geometry(trial, number)
+            while self.breed():
+                pass
+            if self.learn:
+                self.learn_dynamics()
+        except BaseException:
+            self.geometry, self._known, self.dynamics, self.doubt = before
+            raise
 
     def calibrated(self) -> Arm:
         """Return the arm as far as it is known."""

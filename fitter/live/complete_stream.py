@@ -5,6 +5,7 @@ from collections import deque
 from collections.abc import Callable, Iterator, Mapping
 from typing import Any
 
+from limbcal.errors import ConfigError
 from limbcal.note import Note
 from protocol.inbox import Inbox
 from protocol.message import FRAMES, HEALTH, TRIAL
@@ -55,6 +56,7 @@ class CompleteStream:
         self._inbox, self._tell, self._clock = inbox, tell, clock
         self._timeout_ms = 0
         self._run: object = None
+        self._arm: object = None
         self._last: dict[str, int] = {}
         self._held: deque[Message] = deque()
         self._recording: str | None = None
@@ -76,6 +78,8 @@ class CompleteStream:
         ------
         ProtocolError
             If a message is not one, or of another version; it is used up.
+        ConfigError
+            If another run is of an arm of another name.
         DeviceError
             If neither memory nor disk can keep what comes.
         """
@@ -110,7 +114,7 @@ class CompleteStream:
 
     def _completed(self, topic: str, fields: dict[str, Any]) -> Iterator[Message | None]:
         """Yield what was sent before a message and not handed out, and then the message unless it was."""
-        self._begin_anew(fields.get("run"))
+        self._begin_anew(fields.get("run"), fields.get("arm"))
         if topic == HEALTH:
             self._learn(fields)
         before = _sent_before(topic, fields)
@@ -130,11 +134,13 @@ class CompleteStream:
     def _next(self, topic: str) -> int:
         return self._last.get(topic, -1) + 1
 
-    def _begin_anew(self, run: object) -> None:
+    def _begin_anew(self, run: object, arm: object) -> None:
         if run == self._run:
             return
+        if self._run is not None and arm != self._arm:  # motions of two arms are none of either
+            raise ConfigError(f"the daemon began anew with arm {arm!r}, expected {self._arm!r} as before")
         self.restarts += self._run is not None
-        self._run = run
+        self._run, self._arm = run, arm
         self._last.clear()
         self.close()
         self._recorded, self._recording, self._knows = None, None, False

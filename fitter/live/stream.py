@@ -86,8 +86,8 @@ class MotionAssembler:
             return None
         if fields["state"] != "end":
             raise ValueError(f"state is {fields['state']!r}, expected 'begin' or 'end'")
-        began, self.moving = self.moving, False
-        if not began:  # the subscription came in the middle of a motion
+        began, self.moving = self.moving and int(fields["trial"]) == self.trial, False
+        if not began:  # the subscription came in the middle of a motion, or its beginning was missed
             return None
         motion = self._cut(int(fields["t_ns"]))
         if self._blocks:

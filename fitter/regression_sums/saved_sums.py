@@ -121,6 +121,8 @@ def equation_of(arm: Arm, rest_speed: float) -> Equation:
 def add_sums(parts: Sequence[ArmSums], names: Sequence[str]) -> ArmSums:
     """Add sums up, trials in the order of the parts; ``(a + b) + c`` and ``a + (b + c)`` are the same bits.
 
+    A trial that counted twice would make the answer look surer than it is.
+
     Parameters
     ----------
     parts : sequence of ArmSums
@@ -130,12 +132,29 @@ def add_sums(parts: Sequence[ArmSums], names: Sequence[str]) -> ArmSums:
     Raises
     ------
     ConfigError
-        If they are not all of the same arm and law.
+        If they are not all of the same arm and law, or a trial is in two of them.
     """
+    seen: dict[bytes, str] = {}
     for part, name in zip(parts, names, strict=True):
         part.require(parts[0].equation, name)
+        seals = _seals(part)
+        for seal, trial in seals.items():
+            if seal in seen:
+                what = f"trial {trial!r} is in {seen[seal]} too, to the last bit"
+                raise ConfigError(f"{name}: {what}; expected sums of different trials")
+        seen |= dict.fromkeys(seals, name)
     trials = tuple(trial for part in parts for trial in part.trials)
     return ArmSums(parts[0].equation, add_up([part.sums for part in parts]), trials)
+
+
+def _seals(part: ArmSums) -> dict[bytes, str]:
+    """Return bytes that tell trials apart, and their names; not of those without a sample that counts."""
+    sums, seals = part.sums, {}
+    for k, trial in enumerate(part.trials):
+        of_trial = sums.trial == k
+        if sums.count[of_trial].any():
+            seals[sums.moment[of_trial].tobytes() + sums.power[of_trial].tobytes()] = trial
+    return seals
 
 
 def is_sums(path: Path) -> bool:

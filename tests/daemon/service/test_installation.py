@@ -45,6 +45,30 @@ def test_where_nothing_may_be_written_it_says_so(tmp_path: Path, capsys: pytest.
     assert "error: " in capsys.readouterr().err
 
 
+def test_what_is_no_text_is_written_over(tmp_path: Path) -> None:
+    install(tmp_path)
+    rules = tmp_path / "etc/udev/rules.d/99-limbcal.rules"
+    text = rules.read_bytes()
+    rules.write_bytes(b"\xff\xfe")
+    assert ["written", str(rules)] in install(tmp_path)["done"]
+    assert rules.read_bytes() == text
+
+
+@analyze
+@pytest.mark.parametrize("folder", ["two words", "100%u"])
+def test_any_folder_may_hold_the_programs(folder: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    programs = tmp_path / folder
+    programs.mkdir()
+    for name in ("limbd", "limbplay"):
+        (programs / name).symlink_to("/bin/true")
+    monkeypatch.setattr(sys, "executable", str(programs / "python"))
+    install(tmp_path)
+    for unit in UNITS:
+        path = str(tmp_path / "etc/systemd/system" / unit)
+        verified = subprocess.run(["systemd-analyze", "verify", path], check=False, capture_output=True, text=True)
+        assert [line for line in verified.stderr.splitlines() if unit in line] == []
+
+
 @analyze
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_unit_is_clean_and_shut(unit: str, tmp_path: Path) -> None:

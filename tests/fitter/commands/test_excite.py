@@ -74,3 +74,14 @@ def test_limits_and_names(fitter, tmp_path):
         assert outcome.code == 2
         assert said in outcome.errors[0]
     assert fitter("excite", "--arm", "dd-arm", *QUICK, "--out", tmp_path / "ref.txt").code == 2
+
+
+def test_what_slides_goes_metres_and_is_pushed_by_newtons(fitter, tmp_path):
+    arm = load_arm("dd-arm")
+    slides = replace(arm, joints=(replace(arm.joints[0], type="prismatic"), arm.joints[1]), control=Control())
+    save_arm(slides, tmp_path / "arm.toml")
+    limits = ("--max-angle-deg", "0.25,60", "--max-speed", "9", "--max-torque", "900")
+    given = ("--arm", tmp_path / "arm.toml", "--kind", "points", *QUICK, *limits)
+    outcome = fitter("excite", *given, "--out", tmp_path / "ref.csv")
+    assert outcome.code == 0
+    assert "of at most 0.25 m, 60°, 9 m/s, 9 rad/s, 900 N, 900 N·m" in outcome.said

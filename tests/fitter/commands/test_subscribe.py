@@ -12,6 +12,7 @@ import zmq
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Control
+from fitter.live.calibration import Calibration
 from protocol.message import DYNAMICS, FRAMES, HEALTH, KINEMATICS, TRIAL, encode
 from protocol.recording import RecordingWriter
 from protocol.subscriber import Subscriber
@@ -245,3 +246,20 @@ def test_sigterm_writes_what_was_learnt(stream, listener, short_run, tmp_path):
     assert "stopped" in err and "Traceback" not in err and "error" not in err
     assert json.loads(out)["stream"]["motions"] == 1
     assert names(tmp_path / "out") == FILES
+
+
+def test_a_stop_while_it_concludes_loses_nothing(fitter, stream, place, short_run, tmp_path, monkeypatch):
+    learn = Calibration.learn_dynamics
+
+    def learn_once(calibration):
+        if calibration.dynamics is not None:
+            raise KeyboardInterrupt
+        learn(calibration)
+
+    monkeypatch.setattr(Calibration, "learn_dynamics", learn_once)
+    with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, *LIMIT, "--trials", 1, "--out", tmp_path)
+    assert (outcome.code, names(tmp_path)) == (0, FILES)
+    assert "stopped: written is what was known" in outcome.said
+    assert outcome.document["dynamics"]["parameters"]["I2"]["value"] == pytest.approx(0.471209, rel=0.02)

@@ -51,7 +51,7 @@ def test_what_cannot_be_added_is_said(trial_files, tmp_path, capsys):
     flat, vertical = tmp_path / "dd-arm.npz", tmp_path / "dd-arm-vertical.npz"
     for parts, code, said in (
         ((flat, vertical), 2, "these sums are of another arm or law: gravity_m_s2 is"),
-        ((flat, flat), 2, "is named twice"),
+        ((flat, flat), 2, "expected sums of different trials"),
         ((flat, trial_files[0]), 2, "cannot be read as sums"),
         ((flat, tmp_path / "none.npz"), 2, "there is no such file"),
     ):

@@ -7,6 +7,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fitter.live.complete_stream import CompleteStream
+from limbcal.errors import ConfigError
 from protocol.message import FRAMES, HEALTH, TRIAL, encode
 from protocol.recording import RecordingWriter
 
@@ -156,6 +157,14 @@ def test_a_daemon_that_was_started_anew(path, tmp_path):
     found, stream, notes = followed([*before[8:], *after[11:]])
     assert found == [*numbers(before), *numbers(after)]
     assert stream.restarts == 1 and notes == []
+
+
+def test_a_daemon_that_begins_anew_with_another_arm_is_refused():
+    before, after = ((FRAMES, {"run": run, "arm": arm}) for run, arm in (("a", "left"), ("b", "right")))
+    stream = CompleteStream(Inbox([before, after]), pytest.fail)
+    assert stream.receive(0) == before
+    with pytest.raises(ConfigError, match="with arm 'right', expected 'left' as before"):
+        stream.receive(0)
 
 
 def test_a_stream_that_never_says_whether_it_is_recorded(path):

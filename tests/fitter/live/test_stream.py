@@ -200,3 +200,13 @@ def test_announcements_with_a_field_that_does_not_fit(change):
         del fields["state"]
     with pytest.raises(ProtocolError, match="limb/trial: a field is missing or does not fit"):
         motions([(TRIAL, fields)])
+
+
+def test_the_end_of_another_motion_completes_none():
+    first, last = phase(1, "begin", 100), phase(2, "end", 800, role="evaluate")
+    assembler, found = motions([*stretch(0, 300), first, *stretch(300, 900), last])
+    assert (found, assembler.moving) == ([], False)
+    _, found = motions(
+        [first, *stretch(0, 900), last, phase(3, "begin", 950), *stretch(900, 1200), phase(3, "end", 1100)]
+    )
+    assert [motion.name for motion in found] == ["trial 3"]

@@ -73,6 +73,12 @@ def test_sums_of_another_arm_or_law_refuse(arm, said):
     assert said in str(caught.value)
 
 
+def test_a_trial_in_two_parts_is_refused():
+    part, both = sums_of(1), add_sums([sums_of(0), sums_of(1)], ["a.npz", "b.npz"])
+    with pytest.raises(ConfigError, match="c.npz: trial 'renamed' is in both.npz too"):
+        add_sums([both, replace(part, trials=("renamed",))], ["both.npz", "c.npz"])
+
+
 def test_masses_and_friction_of_the_arm_do_not_matter():
     heavy = replace(ARM, joints=tuple(replace(j, link=replace(j.link, mass_kg=9.0)) for j in ARM.joints))
     assert equation_of(heavy, 0.02) == equation_of(ARM, 0.02)
