@@ -31,7 +31,7 @@ class Size:
         """Return the log density of a value, up to a constant that all units share; no value says nothing."""
         if not (np.isfinite(value) and value > 0.0):
             return 0.0
-        return -0.5 * (math.log10(value / self.median) / self.decades) ** 2
+        return -0.5 * ((math.log10(value) - math.log10(self.median)) / self.decades) ** 2
 
 
 #: Top speed of a joint that turns: 0.2 to 20 rad/s in 95 of 100. Collaborative robots turn at up to 3.1 rad/s

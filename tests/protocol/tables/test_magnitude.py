@@ -60,6 +60,12 @@ def test_a_size_far_from_the_usual_is_unlikely_by_its_decades(value, expected):
     assert Size(3.0, 1.0).log_likelihood(3.0 * value) == pytest.approx(expected / 4.0)
 
 
+def test_the_smallest_number_there_is_is_a_size_too():
+    assert Size(30.0, 0.75).log_likelihood(5e-324) == pytest.approx(
+        -0.5 * ((323.306 + 1.477) / 0.75) ** 2, rel=1e-5
+    )
+
+
 @pytest.mark.parametrize(
     ("size", "median", "least", "most"),
     [
