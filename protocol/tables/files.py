@@ -26,7 +26,8 @@ def expand(sources: Sequence[Path]) -> list[Path]:
     Raises
     ------
     DataError
-        If a source does not exist, is of an unknown format, or is a folder without data files.
+        If a source does not exist, is of an unknown format, or is a folder without data files; or if a file is
+        named twice: its trials would count twice, and make what is learnt of them look surer than it is.
     """
     files: list[Path] = []
     for source in sources:
@@ -44,6 +45,11 @@ def expand(sources: Sequence[Path]) -> list[Path]:
             files.append(path)
     if not files:
         raise DataError("no data was named, expected at least one file or folder")
+    seen: set[Path] = set()
+    for file in files:
+        if file.resolve() in seen:
+            raise DataError(f"{file} is named twice, or itself and with its folder; expected each file once")
+        seen.add(file.resolve())
     return files
 
 

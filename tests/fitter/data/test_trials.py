@@ -151,7 +151,9 @@ def test_a_set_is_files_folders_and_trials(tmp_path):
     part = {"t": T[short], "q": motion(T[short])}
     written(tmp_path, part, "b.csv")
     written(tmp_path, part | {"trial": np.repeat([1, 2], 250)}, "a.npz")
-    trials = load_trials([tmp_path, tmp_path / "b.csv"], 2)
+    (tmp_path / "other").mkdir()
+    written(tmp_path / "other", part, "b.csv")
+    trials = load_trials([tmp_path, tmp_path / "other" / "b.csv"], 2)
     assert [trial.name for trial in trials] == ["a/1", "a/2", "b", "b"]
     assert len({trial.cutoff_hz for trial in trials}) == 1
     assert all(trial.t[0] == 0.0 for trial in trials)
