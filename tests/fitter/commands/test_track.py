@@ -165,8 +165,10 @@ def test_labels_of_several_runs_stay_where_they_differ(fitter, short_run, tmp_pa
     paths = [tmp_path / f"{label}.npz" for label in ("á", "b")]
     for path in paths:
         write_motion(path, columns | {"trial": np.full(2000, path.stem)})
+    again = tmp_path / "again.npz"
+    write_motion(again, columns | {"trial": np.full(2000, paths[0].stem)})
     common = ("--arm", "dd-arm", "--frame-rate-hz", "50", "--method", "integrate", "--out", tmp_path / "m.npz")
-    for given, labels in ((paths, ["b", "á"]), (paths[:1] * 2, ["1.á", "2.á"])):
+    for given, labels in ((paths, ["b", "á"]), ([paths[0], again], ["1.á", "2.á"])):
         assert fitter("track", *given, *common).code == 0
         assert np.unique(np.load(tmp_path / "m.npz")["trial"]).tolist() == labels
 
