@@ -73,7 +73,8 @@ def test_angles_that_were_written_modulo_a_turn_go_on(arm: Arm, turns: float, st
     between = motion.at(t[:-1] + 0.005)[0]
     np.testing.assert_allclose(np.diff(between[:, 0]), 2.0 * np.pi * turns * 0.01, atol=1e-9)
     np.testing.assert_allclose(between[:, 1], 0.1 * (t[:-1] + 0.005), atol=1e-12)
-    assert bool(found.notes) == bool(np.any(np.abs(np.diff(wrapped)) > np.pi))
+    of_turns = [note for note in found.notes if note.kind != "unit"]  # an arm that hardly moves: degrees?
+    assert bool(of_turns) == bool(np.any(np.abs(np.diff(wrapped)) > np.pi))
 
 
 def test_what_slides_is_not_unwrapped(tmp_path: Path, arm: Arm) -> None:
