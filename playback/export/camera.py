@@ -31,7 +31,8 @@ class Camera:
     origin : ndarray of shape (2,)
         Where the base frame's origin is in the picture: right, down [px].
     floor : ndarray of shape (3, 3)
-        Two directions of the plane on which the arm stands, and a point of it.
+        Two directions of the plane on which the arm stands, the first of them the picture's right, and a point
+        of it. The plane is never seen from its edge.
     """
 
     axes: Floats
@@ -71,9 +72,7 @@ def look_at(movers: tuple[Mover, ...], width: int, height: int, head: int = 0) -
     low, high = seen.min(axis=0), seen.max(axis=0)
     scale = FILLED * float(np.min(np.array([width, height - head]) / (high - low)))
     centre = 0.5 * (low + high) * [1.0, -1.0]
-    across = np.cross(normal, axes[0] if abs(normal @ axes[0]) < 0.9 else axes[1])
-    across /= np.linalg.norm(across)
-    floor = np.array([np.cross(across, normal), across, normal * float((base @ normal).min())])
+    floor = np.array([axes[0], np.cross(normal, axes[0]), normal * float((base @ normal).min())])
     return Camera(axes, scale, np.array([width, height + head]) / 2.0 - scale * centre, floor)
 
 

@@ -46,7 +46,7 @@ def draw_plots(motion: Sampled, width: int, height: int, head: int) -> Plots:
     canvas = FigureCanvasAgg(figure)
     axes = figure.subplots(n_joint, 1, sharex=True, squeeze=False)[:, 0]
     margins = {"left": 62.0 / width, "right": 1.0 - 24.0 / width, "top": 1.0 - head / height}
-    figure.subplots_adjust(**margins, bottom=min(0.2, 52.0 * dpi / 100.0 / height), hspace=0.1)
+    figure.subplots_adjust(**margins, bottom=0.52 * dpi / height, hspace=0.1)
     for j, ax in enumerate(axes):
         for mover in reversed(motion.movers):  # the arm's own curve lies on top
             style = {

@@ -129,7 +129,7 @@ def _with_keys(
     t: Floats, owners: Sequence[Source], motions: Sequence[Trajectory], speed: float, most_turn_rad: float
 ) -> Floats:
     """Return instants with more between them wherever a joint turns further than it may."""
-    while len(t) > 1:
+    while True:
         turn = np.zeros(len(t) - 1)
         for owner, motion in zip(owners, motions, strict=True):
             turning = [joint.type == "revolute" for joint in owner.arm.joints]
@@ -142,8 +142,7 @@ def _with_keys(
                 f"{MOST_KEYS} keys; are its angles in degrees?"
             )
         if not (parts > 1.0).any():
-            break
+            return t
         first = np.repeat(np.arange(len(parts)), parts.astype(int))
         place = np.arange(len(first)) - np.searchsorted(first, first)
         t = np.append(t[first] + place / parts[first] * np.diff(t)[first], t[-1])
-    return t

@@ -104,15 +104,12 @@ def _ground(camera: Camera, step: float, width: int, height: int) -> Image:
     along, across, place = camera.floor
     n = int(np.ceil(2.0 * np.hypot(width, height) / (camera.scale * step)))
     far = n * step
-    if abs(np.cross(camera.project(along), camera.project(across))[2]) < 1e-9:
-        return np.asarray(paper, dtype=np.float32)
-    for one, other in ((along, across), (across, along)):
-        for k in sorted(range(-n, n + 1), key=lambda k: k == 0):
-            ends = camera.project(
-                np.array([place + k * step * one - far * other, place + k * step * one + far * other])
-            )
-            colour: Rgb = GRID_AXIS if k == 0 else GRID
-            pen.line([tuple(end[:2]) for end in ends.tolist()], fill=colour, width=FINER)
+    lines = [(k, *pair) for pair in ((along, across), (across, along)) for k in range(-n, n + 1)]
+    for k, one, other in sorted(lines, key=lambda line: line[0] == 0):  # the axes over all others
+        middle = place + k * step * one
+        ends = camera.project(np.array([middle - far * other, middle + far * other]))
+        colour: Rgb = GRID_AXIS if k == 0 else GRID
+        pen.line([tuple(end[:2]) for end in ends.tolist()], fill=colour, width=FINER)
     return np.asarray(paper, dtype=np.float32).copy()
 
 

@@ -88,6 +88,8 @@ def test_a_suffix_has_its_writer_rate_and_size(
     [
         (["a.csv", "--rate-hz", "1000"], None),
         (["a.csv", "--rate-hz", "1000.1"], "--rate-hz is 1000.1, expected above 0 and at most 1000 for .csv"),
+        (["a.csv", "--rate-hz", "0.5"], None),
+        (["a.csv", "--rate-hz", "0"], "--rate-hz is 0, expected above 0 and at most 1000 for .csv"),
         (["a.csv", "--rate-hz", "-1"], "--rate-hz is -1"),
         (["a.csv", "--rate-hz", "nan"], "--rate-hz is nan"),
         (["a.csv", "--rate-hz", "inf"], "--rate-hz is inf"),
@@ -95,6 +97,10 @@ def test_a_suffix_has_its_writer_rate_and_size(
         (["a.gif", "--rate-hz", "50.5"], "expected above 0 and at most 50 for .gif"),
         (["a.gif", "--rate-hz", "0.0015"], "--rate-hz is 0.0015, expected at least 0.001526 for .gif"),
         (["a.gif", "--rate-hz", "0.0016"], None),
+        (["a.gif", "--rate-hz", "0"], "--rate-hz is 0, expected above 0 and at most 50 for .gif"),
+        (["a.csv", "--speed", "0.001"], None),
+        (["a.csv", "--speed", "0.0009"], "--speed is 0.0009, expected from 0.001 to 1000"),
+        (["a.csv", "--speed", "1001"], "--speed is 1001, expected from 0.001 to 1000"),
         (["a.csv", "--speed", "0"], "--speed is 0, expected from 0.001 to 1000"),
         (["a.csv", "--speed", "inf"], "--speed is inf, expected from 0.001 to 1000"),
         (["a.csv", "--speed", "nan"], "--speed is nan, expected from 0.001 to 1000"),
@@ -111,6 +117,8 @@ def test_a_suffix_has_its_writer_rate_and_size(
         (["a.mp4", "--size", "640x361"], "--size is '640x361'"),
         (["a.mp4", "--size", "640x360x3"], "--size is '640x360x3'"),
         (["a.mp4", "--size", "640"], "--size is '640'"),
+        (["a.mp4", "--size", "641x360"], "--size is '641x360'"),
+        (["a.csv", "--size", "640x360"], "--size is given for .csv, expected only for .mp4 and .gif"),
     ],
 )
 def test_bounds_belong_to_what_is_allowed(

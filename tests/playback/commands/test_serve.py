@@ -36,8 +36,9 @@ def test_a_rate_is_above_0_and_at_most_1000(rate: str, capsys: pytest.CaptureFix
     assert f"--rate-hz is {float(rate):g}, expected above 0 and at most 1000" in capsys.readouterr().err
 
 
-def test_a_thousand_a_second_are_no_mistake(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["serve", "nowhere.csv", "--rate-hz", "1000"]) == 2
+@pytest.mark.parametrize("rate", ["1e-3", "0.5", "1000"])
+def test_any_other_rate_is_no_mistake(rate: str, capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "nowhere.csv", "--rate-hz", rate]) == 2
     assert "nowhere.csv: there is no such file" in capsys.readouterr().err
 
 

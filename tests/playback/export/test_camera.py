@@ -10,8 +10,8 @@ from arm.kinematics import axis_frames
 from arm.model import Arm, Joint
 from playback.export.camera import FILLED, TILT_DEG, look_at
 from playback.export.gravity import upward
-from playback.export.sampled import Sampled, sample
-from playback.shape import base_mesh, link_meshes, link_poses
+from playback.export.sampled import Mover, Sampled, sample
+from playback.shape import REAL, base_mesh, link_meshes, link_poses
 from tests.playback.export.conftest import source_of
 
 WIDTH, HEIGHT, HEAD = 400, 300, 60
@@ -95,6 +95,8 @@ def test_the_floor_is_under_the_base(motion: Sampled) -> None:
     normal = np.cross(one, other)
     assert np.linalg.norm(normal) == pytest.approx(1.0)
     assert one @ other == pytest.approx(0.0, abs=1e-12)
+    assert one == pytest.approx(camera.axes[0])  # to the right
+    assert abs(normal @ camera.axes[2]) > 0.3  # and never seen from its edge
     heights = (base_mesh(motion.movers[0].arm).vertices - place) @ (normal * np.sign(normal @ place or 1.0))
     assert min(abs(heights.min()), abs(heights.max())) == pytest.approx(0.0, abs=1e-9)
 
@@ -121,3 +123,30 @@ def test_a_flat_arm_is_tilted_by_24_degrees(pair: Sampled) -> None:
     upper = look_at(pair.movers, WIDTH, HEIGHT, HEAD)
     assert (upper.origin - camera.origin)[1] > 0.5 * HEAD - 1.0  # lower by half of what is kept free
     assert upper.scale <= camera.scale
+
+
+@pytest.mark.parametrize("stretched", [0, 1, 2])
+def test_a_moment_s_reach_is_in_the_picture(stretched: int) -> None:
+    """Folded it needs hardly any room, but for one instant."""
+    arm = Arm("folding", (Joint(a_m=0.5), Joint(a_m=0.5)))
+    q = np.tile([0.0, np.pi], (3, 1))
+    q[stretched] = 0.0
+    mover = Mover("folding", arm, q, 0 * q, 0 * q, REAL)
+    camera = look_at((mover,), WIDTH, HEIGHT)
+    right, down, _ = camera.project(np.array([1.0, 0.0, 0.0]))
+    assert 0.0 < right < WIDTH and 0.0 < down < HEIGHT
+
+
+def test_of_a_long_motion_two_hundred_instants_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
+    looked: list[int] = []
+
+    def poses(arm: Arm, q: np.ndarray) -> np.ndarray:
+        looked.append(len(q))
+        return link_poses(arm, q)
+
+    monkeypatch.setattr("playback.export.camera.link_poses", poses)
+    arm = Arm("long", (Joint(a_m=0.5),))
+    for n in (1, 399, 400, 600):
+        q = np.zeros((n, 1))
+        look_at((Mover("long", arm, q, q, q, REAL),), WIDTH, HEIGHT)
+    assert looked == [1, 399, 200, 200]

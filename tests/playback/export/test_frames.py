@@ -88,8 +88,8 @@ def test_letters_grow_with_the_picture(pair: Sampled, written: list[tuple[float,
     few = replace(
         pair, t=pair.t[:2], movers=tuple(replace(m, q=m.q[:2], dq=m.dq[:2], ddq=m.ddq[:2]) for m in pair.movers)
     )
-    film(few, 900, 630)
-    assert written[0][:2] == (15, 15)  # a 42nd of the height
+    film(few, 300, 1008)
+    assert written[0][:2] == (24, 24)  # a 42nd of the height
     written.clear()
     film(few)
     assert written[0][:2] == (SIZE, SIZE)

@@ -1,10 +1,18 @@
 """The curves beside the arm: where a frame's dot is, there is its curve's colour."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
+from matplotlib.colors import to_hex
+from matplotlib.figure import Figure
 
+from arm.model import Arm, Joint
+from playback.export import plots as module
 from playback.export.plots import draw_plots
-from playback.export.sampled import Sampled
+from playback.export.sampled import Mover, Sampled
+from playback.shape import REAL
 
 WIDTH, HEIGHT, HEAD = 360, 420, 50
 
@@ -58,3 +66,74 @@ def test_below_the_last_there_is_room_for_the_time(pair: Sampled, height: int) -
     heights = np.diff(plots.rows, axis=1)
     gap = plots.rows[1][0] - plots.rows[0][1]
     assert heights == pytest.approx(heights[0, 0], abs=1.0) and 0.0 < gap < 0.2 * heights[0, 0]
+
+
+@pytest.fixture
+def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
+    """Return the figures that are drawn."""
+    figures: list[Figure] = []
+
+    def figure(*args: Any, **kwargs: Any) -> Figure:
+        figures.append(Figure(*args, **kwargs))
+        return figures[-1]
+
+    monkeypatch.setattr(module, "Figure", figure)
+    return figures
+
+
+@pytest.mark.parametrize(
+    ("height", "dpi", "below"), [(270, 50.0, 26.0), (540, 100.0, 52.0), (541, 100.0, 52.0), (1080, 100.0, 52.0)]
+)
+def test_letters_shrink_with_pictures_below_540_lines(
+    pair: Sampled, drawn: list[Figure], height: int, dpi: float, below: float
+) -> None:
+    plots = draw_plots(pair, WIDTH, height, HEAD)
+    assert drawn[0].dpi == pytest.approx(dpi)
+    assert plots.picture.shape == (height, WIDTH, 3)
+    (top, middle), (beneath, bottom) = plots.rows
+    assert (top, bottom) == pytest.approx((HEAD, height - below))
+    assert beneath - middle == pytest.approx(0.1 * (middle - top))
+
+
+def test_an_arm_s_curve_is_whole_and_its_twin_s_dashed_beneath(pair: Sampled, drawn: list[Figure]) -> None:
+    draw_plots(pair, WIDTH, HEIGHT, HEAD)
+    (figure,) = drawn
+    assert to_hex(figure.get_facecolor()) == "#fafafc"
+    for j, ax in enumerate(figure.axes):
+        twin, own = ax.lines  # in the order in which they are drawn
+        for line, mover, style in ((own, pair.movers[0], "-"), (twin, pair.movers[1], "--")):
+            np.testing.assert_allclose(line.get_ydata(), np.degrees(mover.q[:, j]))
+            assert (line.get_linewidth(), line.get_linestyle()) == (1.6, style)
+            assert line.get_color() == pytest.approx(tuple(part / 255.0 for part in mover.colours.trace))
+        assert ax.get_xlim() == pytest.approx((0.0, 0.5))
+        assert to_hex(ax.get_facecolor()) == "#ffffff"
+        assert (ax.get_ylabel(), ax.yaxis.label.get_size()) == (f"$q_{{{j + 1}}}$ [°]", 10.0)
+        assert to_hex(ax.yaxis.label.get_color()) == to_hex(ax.get_yticklabels()[0].get_color()) == "#30343b"
+        assert {to_hex(spine.get_edgecolor()) for spine in ax.spines.values()} == {"#d9dce3"}
+        grid = ax.get_xgridlines()[0]
+        assert (grid.get_visible(), grid.get_linewidth(), to_hex(grid.get_color())) == (True, 0.7, "#d9dce3")
+        assert (ax.get_yticklabels()[0].get_size(), ax.get_yticklines()[0].get_markersize()) == (8.0, 0.0)
+    assert [ax.get_xlabel() for ax in figure.axes] == ["", "time [s]"]
+    assert figure.axes[1].xaxis.label.get_size() == 10.0
+
+
+def test_what_slides_is_drawn_in_millimetres(drawn: list[Figure]) -> None:
+    arm = Arm("slide", (Joint(a_m=0.1), Joint("prismatic"), Joint("prismatic")))
+    t = np.linspace(0.0, 2.0, 5)
+    q = np.column_stack([t, 0.1 * t, 0.15 * t])
+    draw_plots(Sampled("slide", 1, 2.0, t, (Mover("slide", arm, q, q, q, REAL),)), WIDTH, HEIGHT, HEAD)
+    turned, slid, farther = drawn[0].axes
+    assert (turned.get_ylabel(), slid.get_ylabel()) == ("$q_{1}$ [°]", "$q_{2}$ [mm]")
+    np.testing.assert_allclose(slid.lines[0].get_ydata(), [0.0, 50.0, 100.0, 150.0, 200.0])
+    marks = [
+        [mark for mark in ax.get_yticks().tolist() if ax.get_ylim()[0] <= mark <= ax.get_ylim()[1]]
+        for ax in (slid, farther)
+    ]
+    assert marks == [[0.0, 100.0, 200.0], [0.0, 100.0, 200.0, 300.0]]  # four spaces at the most
+
+
+def test_a_single_frame_is_at_the_left_edge(pair: Sampled) -> None:
+    mover = pair.movers[0]
+    one = replace(mover, q=mover.q[:1], dq=mover.dq[:1], ddq=mover.ddq[:1])
+    plots = draw_plots(replace(pair, t=pair.t[:1], movers=(one,)), WIDTH, HEIGHT, HEAD)
+    assert plots.x == pytest.approx([62.0])

@@ -1,12 +1,16 @@
 """A trial on the grid of a file."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
 from arm.kinematics import sensor_positions, tip_position
+from arm.model import Arm, Effect, Joint
 from limbcal.errors import ConfigError, DataError
 from playback.export.sampled import sample
+from playback.shape import REAL, TWIN
 from playback.source import Source
 from playback.trajectory import Trajectory
 from tests.playback.export.conftest import source_of
@@ -59,3 +63,61 @@ def test_keys_of_a_fast_turn_lie_close_enough_to_turn_the_right_way(rate_hz: flo
     with pytest.raises(DataError, match="are its angles in degrees"):
         fast = Trajectory(t, 1e6 * q, 1e6 * dq, np.zeros_like(q), method="file")
         sample(Source("wild", arm, {1: 2.0}, lambda _: fast), None, rate_hz, 1.0, 0.5 * np.pi)
+
+
+@pytest.mark.parametrize(("rate_hz", "fits"), [(60.0, True), (61.9, True), (62.0, False)])
+def test_a_file_has_no_more_frames_than_are_allowed(
+    monkeypatch: pytest.MonkeyPatch, rate_hz: float, fits: bool
+) -> None:
+    monkeypatch.setattr("playback.export.sampled.MOST_FRAMES", 31)
+    if fits:
+        assert len(sample(SOURCE, 1, rate_hz, 1.0).t) == 31  # of half a second, with both of its ends
+        return
+    with pytest.raises(
+        ConfigError, match="0.5 s at 62 Hz and 1 times the speed are 32 frames, expected at most 31"
+    ):
+        sample(SOURCE, 1, rate_hz, 1.0)
+
+
+def turning(t: np.ndarray, *columns: np.ndarray) -> Source:
+    """Return a motion through these nodes, on joints of which the last slides."""
+    q = np.column_stack(columns)
+    dq = np.gradient(q, t, axis=0)
+    joints = (*(Joint(a_m=0.1) for _ in columns[1:]), Joint("prismatic"))
+    moving = Trajectory(t, q, dq, np.zeros_like(q), method="file")
+    return Source("turning", Arm("one", joints), {1: float(t[-1])}, lambda _: moving)
+
+
+def test_keys_are_added_evenly_and_only_where_a_joint_turns_too_far() -> None:
+    t = np.linspace(0.0, 3.0, 301)
+    angle = np.where(t < 1.0, 0.0, np.where(t < 2.0, 3.5 * (t - 1.0), 3.5))
+    keys = sample(turning(t, angle, 100.0 * t), None, 1.0, 1.0, 0.9)  # how far one slides does not count
+    assert keys.t == pytest.approx([0.0, 1.0, 1.25, 1.5, 1.75, 2.0, 3.0])
+    assert keys.duration_s == pytest.approx(3.0)
+    just = sample(turning(t, t, 0.0 * t), None, 1.0, 1.0, 1.0 + 1e-9)
+    assert just.t == pytest.approx([0.0, 1.0, 2.0, 3.0])
+    twice = sample(turning(t, 0.4 * t, 0.8 * t, 0.0 * t), None, 1.0, 2.0, 1.0)  # the joint that turns farther
+    assert twice.t == pytest.approx([0.0, 0.5, 1.0])
+    alone = sample(turning(t, t, 0.0 * t), None, 0.1, 1.0, 1e-3)
+    assert alone.t.tolist() == [0.0]
+
+
+@pytest.mark.parametrize(("most", "fits"), [(6, True), (5, False)])
+def test_keys_are_counted(monkeypatch: pytest.MonkeyPatch, most: int, fits: bool) -> None:
+    monkeypatch.setattr("playback.export.sampled.MOST_KEYS", most)
+    t = np.linspace(0.0, 1.0, 101)
+    wheel = turning(t, 2.0 * np.pi * t, 0.0 * t)
+    if fits:
+        assert len(sample(wheel, None, 1.0, 1.0, 1.1).t) == 7  # six parts of a turn
+        return
+    with pytest.raises(DataError, match="turning: a joint makes 1 turns, which takes more than 5 keys"):
+        sample(wheel, None, 1.0, 1.0, 1.1)
+
+
+def test_an_arm_stands_where_its_zeros_say_and_has_a_name_of_its_own() -> None:
+    off = replace(load_arm("dd-arm"), effects=(Effect("joint_zero", {"offset_rad": 0.3}, (2,)),))
+    real, twin = sample(source_of(off, twin=True), None, 60.0, 1.0).movers
+    assert (real.name, twin.name, real.colours, twin.colours) == ("dd-arm", "dd-arm (twin)", REAL, TWIN)
+    assert real.arm is off
+    assert real.tip == pytest.approx(tip_position(load_arm("dd-arm"), real.q + [0.0, 0.3]))
+    assert real.points == pytest.approx(sensor_positions(load_arm("dd-arm"), real.q + [0.0, 0.3]))

@@ -1,6 +1,8 @@
 """Pictures of an arm: what is drawn is where the geometry has it."""
 
+import itertools
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -61,11 +63,40 @@ def test_the_grid_is_drawn_where_its_lines_are(pair: Sampled) -> None:
     assert picture[between[1], between[0]] == pytest.approx(np.array(PAPER), abs=1)
 
 
-def test_a_floor_that_is_seen_from_its_edge_has_no_lines() -> None:
-    """An arm that moves in the plane of its base is looked at along its axis; its floor is that plane."""
-    arm = load_arm("dd-arm-vertical")
-    motion = sample(source_of(arm), None, 20.0, 1.0)
-    assert np.isfinite(Scene(motion.movers, WIDTH, HEIGHT).draw(0)).all()
+@pytest.mark.parametrize("name", ["dd-arm-vertical", "spatial-arm", "examples/human-arm.toml"])
+def test_the_ground_reaches_into_all_corners(name: str) -> None:
+    movers = sample(source_of(load_arm(name)), None, 20.0, 1.0).movers
+    ground = Scene(movers, 160, 300)._ground
+    for corner in itertools.product((slice(40), slice(-40, None)), repeat=2):
+        assert np.any(ground[corner] != np.array(PAPER))
+
+
+def test_lines_through_the_base_lie_over_all_others(pair: Sampled) -> None:
+    scene = Scene(pair.movers, WIDTH, HEIGHT, HEAD)
+    along, across, place = scene._camera.floor
+    for axis, other in ((along, across), (across, along)):
+        for k in (-2, 0, 1, 2):
+            for share, colour in ((0.0, GRID_AXIS), (0.5, GRID_AXIS if k == 0 else GRID)):
+                x, y = scene._camera.project(place + scene.grid_m * (k * other + share * axis))[:2]
+                assert scene._ground[int(y), int(x)] == pytest.approx(np.array(colour)), (k, share)
+
+
+def test_the_tip_s_path_is_pale_and_goes_from_frame_to_frame(
+    pair: Sampled, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    strokes: list[tuple[Any, ...]] = []
+    monkeypatch.setattr("playback.export.scene.draw_stroke", lambda *stroke: strokes.append(stroke))
+    scene = Scene(pair.movers, WIDTH, HEIGHT, HEAD)
+    for frame in (0, 1, 2):
+        scene.draw(frame)
+    camera = look_at(pair.movers, 2 * WIDTH, 2 * HEIGHT, 2 * HEAD)
+    ends = [(first, last) for first, last in ((0, 0), (0, 1), (1, 2)) for _ in pair.movers]
+    for (first, last), stroke, mover in zip(ends, strokes, 3 * pair.movers, strict=True):
+        places = camera.project(mover.tip)[:, :2]
+        start, end, radius, colour, opacity, drawn = stroke
+        np.testing.assert_allclose([start, end], [places[first], places[last]])
+        assert colour == pytest.approx(0.3 * np.array([250, 250, 252]) + 0.7 * np.array(mover.colours.trace))
+        assert (radius, opacity, drawn is scene._ground) == (2.6, 1.0, True)  # of finer pixels
 
 
 def test_sensors_are_drawn_on_their_links(pair: Sampled) -> None:

@@ -135,6 +135,15 @@ def test_fast_it_may_go_further_between_two_frames(room: Room, speed: float, jum
     assert room.send(position_s=1.0 + 0.2, speed=speed).jumps == jumps  # slow, it may go as far as at its own
 
 
+def test_a_message_of_several_frames_follows_by_its_first(room: Room) -> None:
+    room.send(position_s=1.0)
+    picture = room.send(n=50, position_s=1.01)  # its last is half a second on
+    assert (picture.row.position_s, picture.jumps) == (pytest.approx(1.5), 0)
+    assert len(room.places()) == 51
+    assert room.send(n=50, position_s=1.7).jumps == 0  # two tenths after the last of those before
+    assert room.send(n=50, position_s=2.1).jumps == 1  # its first is back among them
+
+
 @pytest.mark.parametrize(
     "broken",
     [

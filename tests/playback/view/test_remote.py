@@ -2,13 +2,14 @@
 
 import threading
 from collections.abc import Iterator, Mapping
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
 import pytest
 import zmq
 
-from playback.control_message import decode_request, encode_refusal, encode_reply
+from playback.control_message import Request, decode_request, encode_refusal, encode_reply
 from playback.view.remote import Motion, Remote
 from tests.playback.view.conftest import eventually
 
@@ -162,3 +163,46 @@ def test_a_twin_s_motion_comes_with_its_arm_s() -> None:
     both = Motion({**MOTION, "twin_q": [[5, 6], [7, 8]], "twin_tip": [[0, 0, 1], [0, 0, 2]]})
     assert both.twin_q is not None and both.twin_q.tolist() == [[5.0, 6.0], [7.0, 8.0]]
     assert both.twin_tip is not None and both.twin_tip.dtype == float
+
+
+class Line:
+    """Stands for a socket on which an answer comes after some looks at it, each a sixteenth of a second."""
+
+    def __init__(self, looks: int, now_s: list[float]) -> None:
+        self.looks, self.now_s = looks, now_s
+        self.closed = False
+
+    def send(self, payload: bytes) -> None:
+        assert decode_request([payload]).cmd == "state"
+
+    def poll(self, timeout_ms: int) -> bool:
+        assert timeout_ms == 50
+        self.looks -= 1
+        self.now_s[0] += 1.0 / 16.0
+        return self.looks < 0
+
+    def close(self, linger_ms: int) -> None:
+        self.closed = True
+
+
+@pytest.mark.parametrize(
+    ("looks", "over", "left"), [(0, False, -1), (1, False, -1), (48, False, -1), (99, False, 50), (99, True, 98)]
+)
+def test_an_answer_is_waited_for_three_seconds_unless_all_is_over(
+    monkeypatch: pytest.MonkeyPatch, looks: int, over: bool, left: int
+) -> None:
+    now_s, state = [8.0], {"run": "a"}
+    line, another = Line(looks, now_s), Line(0, now_s)
+    reply = SimpleNamespace(parts=[encode_reply(state)])
+    monkeypatch.setattr("playback.view.remote.time", SimpleNamespace(monotonic=lambda: now_s[0]))
+    monkeypatch.setattr("playback.view.remote.receive_parts", lambda *_: reply)
+    remote: Any = Remote.__new__(Remote)  # without its thread
+    vars(remote).update(_socket=line, _over=over, _connect=lambda: another, state={"run": "before"})
+    found = remote._ask(Request("state"))
+    assert line.looks == left
+    if left < 0:
+        assert found is not None and found["ok"] is True and remote.state == state
+        assert remote._socket is line and not line.closed
+    else:
+        assert found is None and remote.state is None
+        assert remote._socket is another and line.closed
