@@ -7,7 +7,6 @@ second shows that a generation costs the same whatever the number of samples.
 import argparse
 import sys
 import time
-from collections.abc import Callable
 from dataclasses import replace
 from functools import partial
 
@@ -19,6 +18,7 @@ from arm.bench import Bench, motions
 from arm.model import Arm, Control, Floats
 from arm.regressor import standard_parameters
 from arm.structural_parameters import structural_parameters
+from benchmarks.timing import seconds
 from fitter.data.trial import Trial
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.torque_problem import torque_problem
@@ -49,16 +49,6 @@ def bench_trials(arm: Arm, samples: int) -> list[Trial]:
     return trials
 
 
-def seconds(job: Callable[[], object]) -> float:
-    """Return the shortest of a few runs: what the job takes when nothing else gets in its way."""
-    took = []
-    for _ in range(REPEATS):
-        start = time.perf_counter()
-        job()
-        took.append(time.perf_counter() - start)
-    return min(took)
-
-
 def breed(sums: TorqueSums, prior: Floats, generations: int = GENERATIONS) -> None:
     """Run a search of its own on given sums."""
     problem = torque_problem(sums, prior)
@@ -81,17 +71,18 @@ def measure(_options: argparse.Namespace) -> Document:
         return fit_sums(arm, base, reduce(), population=POPULATION, generations=GENERATIONS)
 
     sums, fit = reduce(), answer()  # compiles
+    timed = partial(seconds, repeats=REPEATS, clock=time.perf_counter)
     stages = {
-        "arrays to sums": seconds(reduce),
-        f"{GENERATIONS} generations of {POPULATION}": seconds(partial(breed, sums, prior)),
-        "arrays to answer": seconds(answer),
+        "arrays to sums": timed(reduce),
+        f"{GENERATIONS} generations of {POPULATION}": timed(partial(breed, sums, prior)),
+        "arrays to answer": timed(answer),
     }
     worst = max(abs(fit.parameters[name].value - true) for name, true in zip(base.names, prior, strict=True))
     sizes = {}
     for size in SIZES:
         some = [thinned(trial, SAMPLES // size) for trial in trials]
         part = add_up([trial_sums(arm, base, trial) for trial in some])
-        sizes[part.samples] = 1e6 * seconds(partial(breed, part, prior)) / GENERATIONS
+        sizes[part.samples] = 1e6 * timed(partial(breed, part, prior)) / GENERATIONS
     show(fit.samples, len(base.names), stages, sizes)
     return {
         "samples": fit.samples,

@@ -50,7 +50,7 @@ def add_report(parser: argparse.ArgumentParser) -> None:
     )
 
 
-def make_room(out: Path, suffixes: Sequence[str] = (), read: Iterable[Path | None] = ()) -> None:
+def make_room(out: Path, suffixes: Sequence[str] = (), read: Iterable[Path] = ()) -> None:
     """Make sure that a file can be written, before an hour goes into what is to be in it.
 
     Parameters
@@ -70,7 +70,7 @@ def make_room(out: Path, suffixes: Sequence[str] = (), read: Iterable[Path | Non
     """
     if suffixes and out.suffix.lower() not in suffixes:
         raise ConfigError(f"{out}: the suffix is {out.suffix!r}, expected one of {', '.join(suffixes)}")
-    if out.exists() and any(_is_of(out.resolve(), one.resolve()) for one in read if one is not None):
+    if out.exists() and any(_is_of(out.resolve(), one.resolve()) for one in read):
         raise ConfigError(f"{out}: this file is read, and the result would take its place; expected another")
     try:
         out.parent.mkdir(parents=True, exist_ok=True)

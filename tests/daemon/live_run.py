@@ -42,10 +42,12 @@ def live_run(
     hear: Callable[[str, Fields], None] = lambda _topic, _fields: None,
     device_options: Sequence[str] = (),
     method: str = "integrate",
+    until: Callable[[], bool] = lambda: True,
 ) -> tuple[Heard, str]:
     """Let the device send samples, faults among them; return all messages by topic, and what it said last.
 
-    ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says.
+    ``hear`` is called with every message as it comes; ``rate_hz`` is what the device's INFO says. The run goes on
+    ``until`` something has happened, and for as many samples at least.
     """
     link, endpoint = folder / "device", f"ipc://{folder}/frames"
     arguments = (
@@ -70,7 +72,7 @@ def live_run(
     with zmq.Context() as context, Subscriber(context, endpoint, list(heard)) as subscriber:
         daemon = limbd("run", "--config", str(config), "--json")
         daemon.announcement()
-        while not heard[HEALTH] or heard[HEALTH][-1]["samples"] + heard[HEALTH][-1]["lost_samples"] < samples:
+        while not until() or not heard[HEALTH] or _sampled(heard) < samples:
             topic, fields = subscriber.receive(PATIENCE_MS) or pytest.fail("nothing came any more")
             assert device.process.poll() is None, device.said  # heartbeats alone would go on for ever
             heard[topic].append(fields)
@@ -81,6 +83,12 @@ def live_run(
         assert not subscriber.missed
     assert device.stop() == 0
     return heard, device.said
+
+
+def _sampled(heard: Heard) -> int:
+    """Return how many samples the device has taken, by the last health."""
+    health = heard[HEALTH][-1]
+    return int(health["samples"] + health["lost_samples"])
 
 
 def check(heard: Heard, truth: NDArray[np.int16]) -> None:

@@ -99,13 +99,13 @@ def test_stretches_grow_to_four_seconds_and_256_are_kept() -> None:
 
 
 def test_lateness_is_judged_by_the_rate_given_and_then_by_the_line() -> None:
-    told, found = LeastLate(0.5), in_stretches(np.zeros(4), rate=0.5)
+    fresh, found = LeastLate(0.5), in_stretches(np.zeros(4), rate=0.5)
     assert found.line() is not None
-    for arrivals in (told, found):
+    for arrivals in (fresh, found):
         for k in range(4, 8):  # the first of each two is less late, by 10 ms
             arrivals.note(k / 8, 0.5 * k / 8)
             arrivals.note((k + 0.5) / 8, 0.5 * (k + 0.5) / 8 + 0.01)
-    first, second = told.line(), found.line()
+    first, second = fresh.line(), found.line()
     assert first is not None and second is not None
     assert (first.rate, first.device_s) == pytest.approx((0.5, 5.5 / 8))
     assert (second.rate, second.device_s) == pytest.approx((0.5, (2.0 + 5.5) / 2 / 8))

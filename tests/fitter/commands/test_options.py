@@ -46,7 +46,7 @@ def test_the_smallest_population_is_the_algorithms():
 def test_a_file_that_is_read_is_not_written_over(tmp_path):
     folder = tmp_path / "of one day"
     folder.mkdir()
-    read = [None, folder, tmp_path / "run.csv"]
+    read = [folder, tmp_path / "run.csv"]
     for name in ("run.csv", "motion.csv", "of one day/run.csv", "of one day/arm.toml"):
         (tmp_path / name).touch()
     for name in ("run.csv", "of one day/run.csv", "of one day/../run.csv"):

@@ -71,7 +71,7 @@ def test_frames_that_are_skipped_are_lost_cell_by_cell(begun) -> None:
     one, readings, _ = begun
     one.follow(readings[:900])
     other = deepcopy(one)
-    one.skip(49)  # four cells of ten frames; what is left of one is not counted
+    one.skip(49)  # four cells of ten frames; the incomplete fifth is not counted
     other.follow(np.full((40, 12), np.nan))
     alike(one, other)
     assert not one._still

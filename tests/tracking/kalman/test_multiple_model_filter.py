@@ -159,7 +159,7 @@ def way(misfit: float, speed: float) -> SimpleNamespace:
     return SimpleNamespace(misfit=misfit, x=x)
 
 
-def test_ways_that_are_much_worse_or_alike_are_given_up(one) -> None:
+def test_hypotheses_that_are_much_worse_or_alike_are_dropped(one) -> None:
     best, near, same, far = way(5.0, 0.1), way(44.9, -0.5), way(6.0, 0.11), way(45.1, 0.9)
     one._filter, one._rivals = best, [best, same, near, far]
     assert one._still_possible() == [best, near]
@@ -167,16 +167,16 @@ def test_ways_that_are_much_worse_or_alike_are_given_up(one) -> None:
     assert one._still_possible() == []  # decided
 
 
-def test_all_ways_that_are_left_hear_of_other_frames_and_noise(one) -> None:
+def test_all_remaining_hypotheses_take_another_rate_and_noise(one) -> None:
     said = []
-    told = [
+    filters = [
         SimpleNamespace(
             retime=lambda dt, k=k: said.append((k, dt)),
             learn=lambda noise, k=k: said.append((k, noise)),
         )
         for k in range(3)
     ]
-    one._rivals, one._lost, one._filter = told[:2], told[2], told[0]
+    one._rivals, one._lost, one._filter = filters[:2], filters[2], filters[0]
     one.retime(0.5)
     one.learn("noise")
     assert said == [(0, 0.5), (1, 0.5), (2, 0.5), (0, "noise"), (1, "noise"), (2, "noise")]
@@ -188,12 +188,12 @@ def test_all_ways_that_are_left_hear_of_other_frames_and_noise(one) -> None:
 
 
 class Rival(SimpleNamespace):
-    """Stands for a filter that explains readings so badly; filters are told apart by what they are."""
+    """Stands for a filter that has some misfit; filters are compared by identity."""
 
     __hash__ = object.__hash__
 
 
-def test_ways_are_followed_for_three_seconds(one) -> None:
+def test_hypotheses_are_followed_for_three_seconds(one) -> None:
     """Asked for the last time, it goes on with the best and forgets the others."""
     course = np.zeros(1)
     rivals = [Rival(misfit=misfit, x=way(misfit, misfit).x, follow=lambda _: course) for misfit in (3.0, 1.0)]
@@ -203,7 +203,7 @@ def test_ways_are_followed_for_three_seconds(one) -> None:
         assert len(one._rivals) == left and one._filter is rivals[1]
 
 
-def test_no_more_than_eight_ways_are_followed_the_likeliest_first(one, monkeypatch) -> None:
+def test_the_eight_likeliest_hypotheses_are_followed(one, monkeypatch) -> None:
     misfits = iter([7.0, 3.0, np.inf, 1.0, *np.arange(20.0, 28.0)])
     states = iter(np.arange(1.0, 13.0)[:, None] * np.ones(18))
     supposed = []

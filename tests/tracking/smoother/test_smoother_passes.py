@@ -17,7 +17,7 @@ def passes(level_bench, decimated, monkeypatch):
     """Return what smooths where every pass leaves a share of what it begins off by, in units of claims."""
     whole = decimated(level_bench, RATE_HZ)
     readings = module.Readings(whole.values[:200], whole.dt_s, whole.t0_s, whole.noise, whole.factor)
-    smoother, told, turns, reported = Smoother(level_bench.arm, np.zeros(2), True), [], {}, []
+    smoother, counted, turns, reported = Smoother(level_bench.arm, np.zeros(2), True), [], {}, []
 
     def smoothed(share, off, fine=False):
         def away(by):
@@ -26,7 +26,7 @@ def passes(level_bench, decimated, monkeypatch):
             return at
 
         def unwound(*_, **__):
-            by = turns.pop(len(told) + 1, None)
+            by = turns.pop(len(counted) + 1, None)
             return None if by is None else away(by)
 
         def once(of, room, course, along, x, P, found, with_variance):
@@ -38,9 +38,9 @@ def passes(level_bench, decimated, monkeypatch):
         monkeypatch.setattr(module, "smooth_once", once)
         monkeypatch.setattr(module, "calm", lambda at, *_: at)
         monkeypatch.setattr(module, "unwound", unwound)
-        found = smoother.smooth(readings, fine, progress=told.append)
-        assert told == list(range(1, found.passes + 1))
-        told.clear()
+        found = smoother.smooth(readings, fine, progress=counted.append)
+        assert counted == list(range(1, found.passes + 1))
+        counted.clear()
         return found
 
     smoothed.turns, smoothed.reported = turns, reported
