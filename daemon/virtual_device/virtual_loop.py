@@ -11,6 +11,7 @@ import numpy as np
 
 from daemon.process.stop_signal import StopSignal
 from daemon.virtual_device.bench_plan import BenchPlan
+from daemon.virtual_device.device_time import DeviceTime
 from daemon.virtual_device.fault_injection import FaultInjection
 from daemon.virtual_device.fault_schedule import Fault
 from daemon.virtual_device.faulty_line import FaultyLine
@@ -87,6 +88,8 @@ def serve(options: VirtualOptions) -> None:
             _serve(device, fifo, port, stop, injection)
         finally:
             device.close()
+            if fifo.dropped:
+                console.print(f"frames dropped, as the host did not read: {fifo.dropped}")
             if line.done:
                 hits = ", ".join(f"{count} by {kind}" for kind, count in line.done.items())
                 console.print(f"frames hit by faults: {hits}")
@@ -97,12 +100,13 @@ def serve(options: VirtualOptions) -> None:
 def _serve(
     device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal, injection: FaultInjection
 ) -> None:
-    ticker = Ticker(_BEAT_S, time.monotonic, _attend(device, fifo, port, stop))
-    said = 0
+    at = DeviceTime(time.monotonic)
+    ticker = Ticker(_BEAT_S, time.monotonic, _attend(device, fifo, port, stop, at))
+    said = False
     while not stop.came:
         ticker.wait()
         ticker.skip_missed()
-        now_s = time.monotonic()
+        now_s = at.follow()
         injection.make(now_s)
         device.advance(now_s)
         if not port.plugged:
@@ -110,12 +114,12 @@ def _serve(
             continue
         fifo.drain(port.write)
         if fifo.dropped and not said:
-            said = fifo.dropped
+            said = True
             console.print("the host does not read: frames are dropped")
 
 
 def _attend(
-    device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal
+    device: VirtualDevice, fifo: FrameFifo, port: VirtualPort, stop: StopSignal, at: DeviceTime
 ) -> Callable[[float], None]:
     """Return a sleep that meanwhile hears the host and sends it what waits; it may end early."""
 
@@ -123,7 +127,7 @@ def _attend(
         waited_for: list[VirtualPort | StopSignal] = [port, stop] if port.plugged else [stop]
         readable, writable, _ = select(waited_for, [port] if port.plugged and len(fifo) else [], [], seconds)
         if port in readable:
-            device.receive(port.read(), time.monotonic())
+            device.receive(port.read(), at.follow())
         if port in readable or port in writable:
             fifo.drain(port.write)
 

@@ -1,5 +1,6 @@
 """The virtual arm and the daemon run with faults; what was published is held against what the device sent."""
 
+import re
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -89,6 +90,12 @@ def _sampled(heard: Heard) -> int:
     """Return how many samples the device has taken, by the last health."""
     health = heard[HEALTH][-1]
     return int(health["samples"] + health["lost_samples"])
+
+
+def dropped(said: str) -> int:
+    """Return how many frames the device had to drop: a machine that is busy may not read for a second."""
+    found = re.search(r"frames dropped, as the host did not read: (\d+)", said)
+    return 0 if found is None else int(found[1])
 
 
 def check(heard: Heard, truth: NDArray[np.int16]) -> None:

@@ -3,7 +3,7 @@
 import os
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 from pathlib import Path
 from typing import Any
@@ -12,9 +12,10 @@ import numpy as np
 import psutil
 import zmq
 
+from daemon.virtual_device.virtual_device import FRAME_SAMPLES
 from protocol.message import HEALTH
 from protocol.subscriber import Subscriber
-from tests.daemon.live_run import Limbd
+from tests.daemon.live_run import Fields, Limbd, dropped
 from tests.patience import PATIENCE_MS
 from tests.soak import Long
 
@@ -31,8 +32,15 @@ def busy_processors() -> Iterator[None]:
         yield
 
 
-def watch(limbd: Limbd, folder: Path, seconds: float, device: tuple[str, ...], config: str = "") -> Iterator[Any]:
-    """Run device and daemon; yield the announcement, then each health, and stop both."""
+def watch(
+    limbd: Limbd,
+    folder: Path,
+    seconds: float,
+    device: tuple[str, ...],
+    config: str = "",
+    at_end: Callable[[str], None] = lambda _said: None,
+) -> Iterator[Any]:
+    """Run device and daemon; yield the announcement, then each health; stop both, pass on what the device said."""
     link, endpoint = folder / "device", f"ipc://{folder}/frames"
     virtual = limbd("virtual", "--link", str(link), *device, "--json")
     virtual.announcement()
@@ -52,32 +60,43 @@ def watch(limbd: Limbd, folder: Path, seconds: float, device: tuple[str, ...], c
             yield message[1]
     assert daemon.stop() == 0
     assert virtual.stop() == 0
+    at_end(virtual.said)
+
+
+def check_losses(health: Fields, said: str, long: Long) -> None:
+    """On a machine of its own the daemon loses nothing; on any, nothing but what the device had to drop."""
+    assert health["lost_samples"] <= FRAME_SAMPLES * dropped(said)
+    assert not (long.at_length and dropped(said))
 
 
 def test_beside_busy_processors_nothing_is_lost(limbd: Limbd, tmp_path: Path, long: Long) -> None:
-    seconds, rate_hz = long.of((600.0, 32_000), (4.0, 8_000))
+    (seconds, rate_hz), said = long.of((600.0, 32_000), (4.0, 8_000)), list[str]()
+    device = ("--rate-hz", str(rate_hz), "--trials", "200")
     with busy_processors():
-        *_, last = watch(limbd, tmp_path, seconds, ("--rate-hz", str(rate_hz), "--trials", "200"))
+        *_, last = watch(limbd, tmp_path, seconds, device, at_end=said.append)
     assert last["samples"] > 0
-    assert last["lost_samples"] == 0
+    check_losses(last, *said, long)
     p99_ms = last["latency_ms"]["p99_run"]
-    long.note(f"{seconds:g} s at {rate_hz} Hz beside busy processors: 0 samples lost; latency p99 {p99_ms:.1f} ms")
+    long.note(
+        f"{seconds:g} s at {rate_hz} Hz beside busy processors: {last['lost_samples']} samples lost; "
+        f"latency p99 {p99_ms:.1f} ms"
+    )
     if long.at_length:  # how fast a device comes up beside busy processors is not the daemon's
         assert last["samples"] > 0.9 * seconds * rate_hz
         assert p99_ms < 25.0
 
 
 def test_it_keeps_up_with_eight_times_the_rate(limbd: Limbd, tmp_path: Path, long: Long) -> None:
-    seconds, speed = long.of((30.0, 8), (4.0, 1))
-    _, *health = watch(limbd, tmp_path, seconds, ("--speed", str(speed)))
+    (seconds, speed), said = long.of((30.0, 8), (4.0, 1)), list[str]()
+    _, *health = watch(limbd, tmp_path, seconds, ("--speed", str(speed)), at_end=said.append)
     last = health[-1]
     rate_hz = (last["samples"] - health[1]["samples"]) / (last["uptime_s"] - health[1]["uptime_s"])
-    assert last["lost_samples"] == 0
+    check_losses(last, *said, long)
     if long.at_length:
         assert rate_hz > 0.97 * speed * 32_000
     long.note(
         f"{speed} x 32 kHz through the real path for {seconds:g} s: {rate_hz / 32_000:.2f} x 32 kHz held, "
-        f"0 samples lost, latency p99 {last['latency_ms']['p99_run']:.0f} ms"
+        f"{last['lost_samples']} samples lost, latency p99 {last['latency_ms']['p99_run']:.0f} ms"
     )
 
 

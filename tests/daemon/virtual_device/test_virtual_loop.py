@@ -13,10 +13,10 @@ import pytest
 import daemon.virtual_device.virtual_loop as module
 from arm.arm_file import load_arm
 from daemon.virtual_device.bench_plan import BenchPlan
-from daemon.virtual_device.virtual_device import Timing
+from daemon.virtual_device.virtual_device import Timing, device_info
 from daemon.virtual_device.virtual_loop import VirtualOptions, serve
 from limbcal.errors import DeviceError
-from protocol.serial_frame import InfoFrame, SamplesFrame
+from protocol.serial_frame import InfoFrame, SamplesFrame, encode_info
 from protocol.serial_parser import FrameParser
 
 RATE_HZ = 1000.0
@@ -40,6 +40,7 @@ class World:
         self.capacities: list[int] = []
         self.done: dict[str, int] = {}
         self.at_beat: dict[int, Any] = {}
+        self.lags: list[float] = []
 
     def frames(self) -> list[InfoFrame | SamplesFrame]:
         return FrameParser().feed(self.came)
@@ -130,7 +131,7 @@ def world(monkeypatch: pytest.MonkeyPatch) -> World:
             self._line = line
 
         def make(self, now_s: float) -> None:
-            assert now_s == made.now_s
+            made.lags.append(made.now_s - now_s)
             self._line.done.update(made.done)
             made.done = {}
             if made.beats in made.at_beat:
@@ -177,7 +178,7 @@ def test_frames_come_as_they_are_due(world: World, capsys: pytest.CaptureFixture
     # START was heard before the first beat had passed: 200 beats of 5 ms are a second
     assert len(samples) == int(1.0 * RATE_HZ) // 32
     assert [int(frame.counts[0, 0]) for frame in samples] == list(range(1, len(samples) + 1))
-    assert world.periods == [0.005]
+    assert world.periods == [0.005] and set(world.lags) == {0.0}
     said = capsys.readouterr()
     assert said.out == "/dev/pts/77\n" and said.err == ""
     # while it is not ready there is no port; at the end all is closed
@@ -199,11 +200,40 @@ def test_until_samples_are_there_it_asks_every_tenth_of_a_second(world: World) -
     assert world.waited == [0.1] * 4
 
 
-def test_a_host_that_does_not_read_is_said_once(world: World, capsys: pytest.CaptureFixture[str]) -> None:
+def test_a_host_that_does_not_read_is_said_once_and_what_is_dropped_is_counted(
+    world: World, capsys: pytest.CaptureFixture[str]
+) -> None:
     world.takes, world.until = 0, 1000
     serve(options())
-    assert capsys.readouterr().err == "the host does not read: frames are dropped\n"
+    # INFO and the frames of five seconds have come; the memory holds half a second and 64 KiB
+    info = encode_info(device_info(load_arm("dd-arm"), RATE_HZ, 3), 0, 0)
+    dropped = int(5.0 * RATE_HZ) // 32 - (world.capacities[0] - len(info)) // FRAME_BYTES
+    assert capsys.readouterr().err.splitlines() == [
+        "the host does not read: frames are dropped",
+        f"frames dropped, as the host did not read: {dropped}",
+    ]
     assert world.came == b""
+
+
+def test_a_device_that_was_kept_from_running_drops_nothing_while_its_host_reads(
+    world: World, capsys: pytest.CaptureFixture[str]
+) -> None:
+    held = 64 * FRAME_BYTES  # of the tty, emptied once a beat
+
+    def pause(_port: object) -> None:
+        world.now_s += 4.0
+
+    def read(_port: object) -> None:
+        world.takes = held
+
+    world.takes, world.until = held, 401
+    world.at_beat = {beat: read for beat in range(1, 401)}
+    world.at_beat[99] = pause
+    serve(options(speed=2.0))
+    assert max(world.lags) > 3.0 and world.lags[-1] == 0.0
+    assert capsys.readouterr().err == ""
+    numbers = [int(frame.counts[0, 0]) for frame in world.frames()[1:]]
+    assert numbers == list(range(1, int(6.005 * 2.0 * RATE_HZ) // 32 + 1))
 
 
 def test_frames_that_waited_are_sent_when_the_host_reads_again(
