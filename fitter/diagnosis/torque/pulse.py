@@ -130,6 +130,16 @@ def in_rows(rows: Rows, start_s: float, duration_s: float, form: str) -> Floats:
     return column
 
 
+def without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
+    """Return the residuals of the trials without some pulses."""
+    remaining = [replace(part, r=part.r.copy()) for part in rows]
+    for pulse in pulses:
+        part = remaining[pulse.trial]
+        place = pulse.start_s, pulse.duration_s, pulse.form
+        part.r[:] -= pulse.torque_N_m * in_rows(part, *place)
+    return remaining
+
+
 def _reach(start_s: float, duration_s: float, form: str) -> tuple[float, float]:
     """Return from when to when a pulse is felt [s]: its torque, and as long as it lasts what follows from it."""
     beyond = 0.0 if form == "rectangular" else 0.5 * duration_s

@@ -16,7 +16,8 @@ import scipy
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
-from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, in_rows
+from fitter.diagnosis.torque.neighbours import beside_neighbours, neighbours
+from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, without
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -94,8 +95,21 @@ def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> l
     list of Pulse
     """
     joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
-    found = [pulse for joint, rows in enumerate(joints) for pulse in _at_joint(rows, joint, len(joints), least)]
-    return sorted(found, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
+    found = [list[Pulse]() for _ in joints]
+    due, rounds = list(range(len(joints))), list[list[Pulse]]()
+    while due:
+        known = [pulse for own in found for pulse in own]
+        rounds.append(known)
+        anew = {k: _at_joint(beside_neighbours(joints, k, known), k, len(joints), least) for k in due}
+        # A push is no vibration: where others were found, the neighbours are searched anew without them.
+        changed = [k for k in due if not are_same(found[k], anew[k])]
+        for k in due:
+            found[k] = anew[k]
+        due = sorted({near for k in changed for near in neighbours(k, len(joints))})
+        if any(are_same(one, [pulse for own in found for pulse in own]) for one in rounds):
+            break
+    pulses = [pulse for own in found for pulse in own]
+    return sorted(pulses, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
 
 
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:
@@ -117,7 +131,7 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> li
 
 def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
     """Return the log evidence of some pulses against the likeliest background without any [nats]."""
-    remaining = _without(rows, pulses)
+    remaining = without(rows, pulses)
     gain = log_likelihood(estimated(remaining, whole), remaining) - log_likelihood(whole, rows)
     return gain - _cost(rows, pulses, n_joint)
 
@@ -134,7 +148,7 @@ def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pul
     n_joint, total = trials[0].r.shape[1], 0.0
     for joint in range(n_joint):
         rows, own = [trial.rows(joint) for trial in trials], [one for one in pulses if one.joint == joint]
-        remaining = _without(rows, own)
+        remaining = without(rows, own)
         total += log_likelihood(estimated(remaining), remaining) - _cost(rows, own, n_joint)
     return total
 
@@ -175,9 +189,9 @@ def _found_with(
     rounds = list[tuple[float, list[Pulse], Background]]()
     likely, remaining, least = sought(background, 0)
     while likely and len(rounds) < ITERATIONS and not any(are_same(likely, pulses) for _, pulses, _ in rounds):
-        without = _without(rows, likely)
-        background = estimated(without, background)
-        nats = log_likelihood(background, without) - _cost(rows, likely, n_joint)
+        unpushed = without(rows, likely)
+        background = estimated(unpushed, background)
+        nats = log_likelihood(background, unpushed) - _cost(rows, likely, n_joint)
         rounds.append((nats, likely, background))
         likely, remaining, least = sought(background, len(likely))
     if not rounds:
@@ -235,16 +249,6 @@ def _log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, bac
     background : Background
         The likeliest without all of them.
     """
-    alone = _without(rows, [pulse for pulse in pulses if pulse is not one])
-    gain = log_likelihood(background, _without(rows, pulses)) - log_likelihood(estimated(alone, background), alone)
+    alone = without(rows, [pulse for pulse in pulses if pulse is not one])
+    gain = log_likelihood(background, without(rows, pulses)) - log_likelihood(estimated(alone, background), alone)
     return gain + one.evidence - one.log_likelihood_ratio
-
-
-def _without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
-    """Return the residuals of the trials without some pulses."""
-    remaining = [replace(part, r=part.r.copy()) for part in rows]
-    for pulse in pulses:
-        part = remaining[pulse.trial]
-        place = pulse.start_s, pulse.duration_s, pulse.form
-        part.r[:] -= pulse.torque_N_m * in_rows(part, *place)
-    return remaining
