@@ -23,3 +23,12 @@ def test_forces_that_are_nan_for_a_tenth_of_a_second_are_said():
     record.channels[1800:, 1] = np.nan
     (note,) = nan_forces((record,))
     assert (note.kind, note.columns, note.from_s, note.to_s) == ("nan_forces", ("plate 1",), 1.8, 2.0)
+
+
+def test_of_a_platform_that_was_heard_twice_nothing_is_known():
+    record = plate(np.zeros(2000))
+    record.channels[:] = np.nan
+    record.channels[:2, 0] = 0.0, 300.0
+    assert not moves(record)
+    record.channels[2, 0] = 600.0
+    assert moves(record)
