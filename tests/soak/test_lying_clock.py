@@ -93,16 +93,12 @@ def stated_s(found: Found) -> Floats:
 
 
 def late_s(found: Found, device: LyingDevice) -> Floats:
-    """Return by how much the device itself was late of late, at each block: a busy machine is no lie.
-
-    What it wrote in the last second counts, by the host's clock: one that was kept from running writes the samples
-    of several seconds at once, and that they were late is recognised in as long as a lie.
-    """
-    wrote_s = np.array(device.wrote_s[: len(device.taken)])
-    late = wrote_s - np.array([began_s + FRAME * period_s for began_s, period_s in device.taken])
+    """Return by how much the device itself was late of late, at each block: a busy machine is no lie."""
+    taken_s = np.array([began_s + FRAME * period_s for began_s, period_s in device.taken])
+    late = np.array(device.wrote_s[: len(taken_s)]) - taken_s
     frames = np.array(found.number) // FRAME
-    first = np.searchsorted(wrote_s, wrote_s[frames] - _RECOGNISED_S)
-    return np.array([late[begin : frame + 1].max() for begin, frame in zip(first, frames, strict=True)])
+    over = round(_RECOGNISED_S * device.rate_hz / FRAME)
+    return np.array([late[max(frame - over, 0) : frame + 1].min() for frame in frames])
 
 
 def reported(lie: Lie, found: Found, device: LyingDevice) -> bool:
