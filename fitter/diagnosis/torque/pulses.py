@@ -9,6 +9,7 @@ does not follow is estimated from the evidence in blocks without a pulse (`Tail`
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from itertools import chain
 
 import numpy as np
 import scipy
@@ -95,21 +96,20 @@ def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> l
     list of Pulse
     """
     joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
-    found = [list[Pulse]() for _ in joints]
-    due, rounds = list(range(len(joints))), list[list[Pulse]]()
+    found, rounds = [list[Pulse]() for _ in joints], [list[Pulse]()]
+    due = list(range(len(joints)))
     while due:
-        known = [pulse for own in found for pulse in own]
-        rounds.append(known)
-        anew = {k: _at_joint(beside_neighbours(joints, k, known), k, len(joints), least) for k in due}
+        anew = {k: _at_joint(beside_neighbours(joints, k, rounds[-1]), k, len(joints), least) for k in due}
         # A push is no vibration: where others were found, the neighbours are searched anew without them.
         changed = [k for k in due if not are_same(found[k], anew[k])]
         for k in due:
             found[k] = anew[k]
         due = sorted({near for k in changed for near in neighbours(k, len(joints))})
-        if any(are_same(one, [pulse for own in found for pulse in own]) for one in rounds):
+        pulses = [*chain(*found)]
+        if any(are_same(one, pulses) for one in rounds):
             break
-    pulses = [pulse for own in found for pulse in own]
-    return sorted(pulses, key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
+        rounds.append(pulses)
+    return sorted(chain(*found), key=lambda pulse: (pulse.trial, pulse.joint, pulse.start_s))
 
 
 def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> list[Pulse]:

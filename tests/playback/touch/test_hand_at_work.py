@@ -65,20 +65,20 @@ class Work:
 
 
 def worked(monkeypatch: pytest.MonkeyPatch, work: Work) -> dict[str, Any]:
-    """Let a hand work, and return what it told at the end."""
+    """Let a hand work, and return the figures it reports at the end."""
     monkeypatch.setattr(hand, "time", SimpleNamespace(monotonic=lambda: work.now_s))
     monkeypatch.setattr(hand, "Pace", lambda h: Pace(h, lambda: work.now_s, work.sleep))
     one: Any = work
     hand._run(one, one, one, PERIOD_S)
     assert work.said[0] == b"{}"  # it moves
-    (told,) = work.said[1:]
-    figures: dict[str, Any] = json.loads(told)
+    (report,) = work.said[1:]
+    figures: dict[str, Any] = json.loads(report)
     return figures
 
 
 def test_each_touch_begins_where_the_arm_is(monkeypatch: pytest.MonkeyPatch) -> None:
     work = Work([True, True, False, True, True, True], {})
-    told = worked(monkeypatch, work)
+    figures = worked(monkeypatch, work)
     assert work.sent == [
         (tick, (POINT + 0.5 * moves).tolist(), [1.0 * moves] * 3)
         for tick, moves in ((1, 1), (2, 2), (4, 1), (5, 2), (6, 3))
@@ -86,23 +86,28 @@ def test_each_touch_begins_where_the_arm_is(monkeypatch: pytest.MonkeyPatch) -> 
     assert [tick for tick, *_ in work.moves] == [1, 2, 4, 5, 6]
     assert all(wanted == [1.25, 2.0, 3.0] and h == PERIOD_S for _, wanted, _, h in work.moves)
     assert work.asked_s == pytest.approx([PERIOD_S * k for k in range(1, 7)], abs=1e-9)
-    assert (told["inputs"], told["touches"], told["answers"], told["strongest_force_N"]) == (5, 2, 0, 0.0)
-    assert told["rate_hz"] == pytest.approx(1024.0)
-    assert told["round_trip_ms"] == {"p50": None, "p99": None, "max": None}
+    assert (figures["inputs"], figures["touches"], figures["answers"], figures["strongest_force_N"]) == (
+        5,
+        2,
+        0,
+        0.0,
+    )
+    assert figures["rate_hz"] == pytest.approx(1024.0)
+    assert figures["round_trip_ms"] == {"p50": None, "p99": None, "max": None}
 
 
 def test_what_it_feels_moves_it_until_it_lets_go(monkeypatch: pytest.MonkeyPatch) -> None:
     work = Work([True] * 4 + [False] + [True] * 2, {2: (1022, [3.0, 0.0, 4.0]), 4: (1024, [0.0, 1.0, 0.0])})
     work.seq = 1021  # when each of the last thousand was sent is known
-    told = worked(monkeypatch, work)
+    figures = worked(monkeypatch, work)
     forces = {tick: force for tick, _, force, _ in work.moves}
     rest = [0.0, 0.0, 0.0]
     assert forces == {
         **{1: rest, 2: [3.0, 0.0, 4.0], 3: [3.0, 0.0, 4.0], 4: [0.0, 1.0, 0.0]},
         **{6: rest, 7: rest},
     }
-    assert (told["answers"], told["strongest_force_N"]) == (2, 5.0)
-    assert told["round_trip_ms"]["max"] == pytest.approx(1e3 * PERIOD_S)  # each came a tick after its input
+    assert (figures["answers"], figures["strongest_force_N"]) == (2, 5.0)
+    assert figures["round_trip_ms"]["max"] == pytest.approx(1e3 * PERIOD_S)  # each came a tick after its input
 
 
 def test_a_force_of_more_than_20_ms_ago_is_none(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -115,6 +120,6 @@ def test_a_force_of_more_than_20_ms_ago_is_none(monkeypatch: pytest.MonkeyPatch)
 def test_after_a_hold_up_it_makes_up_for_twenty_ticks_at_most(monkeypatch: pytest.MonkeyPatch) -> None:
     work = Work([True] * 4, {4: (1, [1.0, 0.0, 0.0])})
     work.late = {2: 2.5 * PERIOD_S, 3: 30.5 * PERIOD_S}
-    told = worked(monkeypatch, work)
+    figures = worked(monkeypatch, work)
     assert [sum(tick == k for tick, *_ in work.moves) for k in (1, 2, 3, 4)] == [1, 3, 20, 1]
-    assert told["rate_hz"] < 1024.0 and told["inputs"] == 4
+    assert figures["rate_hz"] < 1024.0 and figures["inputs"] == 4

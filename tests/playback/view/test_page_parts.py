@@ -66,8 +66,8 @@ def test_measured_markers_are_those_of_the_instant_and_can_be_hidden(
     stream.picture = picture(Q, trial=7)
     refreshed(page)
     assert markers.shown == [(7, 1.5, Q.tolist())]
-    told = page._numbers.content
-    assert told.index("markers, 3 of 4") < told.index("q1")
+    numbers = page._numbers.content
+    assert numbers.index("markers, 3 of 4") < numbers.index("q1")
     chosen(page, page._measured, False)
     assert markers.wanted[0] is True and markers.wanted[-1] is False
     stream.picture = picture(np.zeros(3), count=2)
