@@ -12,6 +12,7 @@ from typing import Protocol
 
 import numpy as np
 
+from daemon.clock.late_delivery import LateDelivery
 from daemon.clock.least_late import LeastLate, Line
 from daemon.clock.stamp_line import StampLine
 
@@ -25,7 +26,7 @@ _SURELY = 3.0
 _WORST = 0.15
 #: A stamp may be later than its sample's arrival by this: what the least late arrivals differ by [s].
 _EARLY_S = 0.001
-#: Period over which both clocks are compared [s]; one that is off in two in a row is not followed any more.
+#: Period over which both clocks are compared [s]; one that is off alike in two in a row is not followed any more.
 _COMPARED_S, _IN_A_ROW = 0.25, 2
 #: Within a period some arrival is late by less than this [s]: three times the latency of USB converters, 16 ms by
 #: data sheets. And stamps are held back by less than this in all: a clock is faster by less than 4 % of a sudden.
@@ -107,6 +108,7 @@ class DeviceClock:
         self._arrivals = LeastLate(rate)
         self._followed = False
         self._compared = _Compared()
+        self._moved = LateDelivery()
         #: Errors of the stamps: of the line through arrivals, and by how much all of these were late at last [s].
         self._line_s = self._late_s = 0.0
         self._state = ClockState(None, None, None, rate)
@@ -137,27 +139,33 @@ class DeviceClock:
     def note(self, ticks: int, arrival_ns: int) -> None:
         """Note when a block had arrived whose end the device stamped so."""
         device_s, arrived_s = self._seconds(ticks), (arrival_ns - self._first_ns) / _SECOND_NS
-        self._compare(self._stamps.at(device_s), arrived_s)
+        self._compare(device_s, arrived_s)
         if self._followed:
             self._stamps.hold_back(device_s, arrived_s + _EARLY_S)
         if self._arrivals.note(device_s, arrived_s) and (line := self._arrivals.line()) is not None:
-            self._follow(line)
+            self._follow(line, device_s)
 
-    def _compare(self, stamped_s: float, arrived_s: float) -> None:
+    def _compare(self, device_s: float, arrived_s: float) -> None:
         """Hold the stamps against arrivals; begin anew to follow where they have run away from these."""
+        stamped_s = self._stamps.at(device_s)
         late_s = self._compared.note(stamped_s, arrived_s)
         if late_s is None:
             return
         self._late_s = max(late_s, 0.0)
-        if self._state.error_ms is not None:
-            self._state = replace(self._state, error_ms=1e3 * max(self._line_s, self._late_s))
         if self._compared.in_a_row >= _IN_A_ROW:
             self._compared = _Compared()
             self._arrivals = LeastLate(self._state.rate)
             if late_s > 0.0:
+                self._moved.moved(device_s, stamped_s, self._state.rate)
                 self._stamps.catch_up(late_s)
+        if self._state.error_ms is not None:
+            self._state = replace(self._state, error_ms=self._error_ms(device_s))
 
-    def _follow(self, line: Line) -> None:
+    def _error_ms(self, device_s: float) -> float:
+        moved_s = self._moved.error_s(device_s, self._stamps.at(device_s))
+        return 1e3 * max(self._line_s, self._late_s, moved_s)
+
+    def _follow(self, line: Line, device_s: float) -> None:
         self._followed = abs(line.rate - 1.0) <= _WORST
         if not self._followed:
             return
@@ -169,7 +177,7 @@ class DeviceClock:
         self._state = ClockState(
             1e6 * (1.0 / line.rate - 1.0) if said else None,
             1e6 * line.rate_std if said else None,
-            1e3 * max(self._line_s, self._late_s) if stated else None,
+            self._error_ms(device_s) if stated else None,
             rate,
             std,
         )
@@ -184,13 +192,15 @@ class _Compared:
     Attributes
     ----------
     in_a_row : int
-        How many times in a row they were too far apart.
+        How many times in a row they were too far apart. Where arrivals are less late than the last time a delivery
+        catches up, and that is no such time.
     """
 
     def __init__(self) -> None:
         self.in_a_row = 0
         self._until_s: float | None = None
         self._late_s, self._held_s = np.inf, 0.0
+        self._last_s = 0.0
 
     def note(self, stamped_s: float, arrived_s: float) -> float | None:
         """Note an arrival; at the end of a while return by how much all of them were late [s]."""
@@ -202,8 +212,9 @@ class _Compared:
             return None
         late_s, held_s = self._late_s, self._held_s
         self._until_s, self._late_s, self._held_s = arrived_s + _COMPARED_S, np.inf, 0.0
-        too_far = late_s > _LATE_S or held_s > _HELD_S
-        self.in_a_row = self.in_a_row + 1 if too_far else 0
+        too_late = late_s > max(_LATE_S, self._last_s - _LATE_S)
+        self.in_a_row = self.in_a_row + 1 if too_late or held_s > _HELD_S else 0
+        self._last_s = late_s
         return float(late_s)
 
 

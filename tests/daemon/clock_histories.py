@@ -91,8 +91,34 @@ class Outcome:
     lost: int
 
 
-def received(history: History, seed: int) -> Outcome:
-    """Return what the daemon's reception makes of a history that arrives in batches."""
+def held_back(history: History, rng: np.random.Generator) -> NDArray[np.float64]:
+    """Return when frames are handed over [s] by a line that stalls at times, and then is little or much faster.
+
+    It passes them on in their order, at a rate from a thousandth to eight times above that of the samples.
+    """
+    made_s = history.taken_s + FRAME / RATE_HZ
+    over_s = np.empty_like(made_s)
+    stalls = [
+        (begin_s, begin_s + np.exp(rng.uniform(np.log(0.05), np.log(3.0))), np.exp(rng.uniform(0.001, np.log(8.0))))
+        for begin_s in rng.uniform(4.0, 0.8 * made_s[-1], rng.integers(1, 4))
+    ]
+    last_s, faster = 0.0, np.inf
+    for k, at_s in enumerate(made_s):
+        at_s = max(at_s, last_s + FRAME / RATE_HZ / faster)
+        for begin_s, end_s, then in stalls:
+            if begin_s <= at_s < end_s:
+                at_s, faster = end_s, then
+        if at_s == made_s[k]:  # nothing waits any more
+            faster = np.inf
+        over_s[k] = last_s = at_s
+    return over_s
+
+
+def received(history: History, seed: int, handed_over_s: NDArray[np.float64] | None = None) -> Outcome:
+    """Return what the daemon's reception makes of a history that arrives in batches.
+
+    Frames are handed over as soon as they are made, if nothing else is said.
+    """
     rng = np.random.default_rng(seed)
     axes = tuple(Channel(f"s1{axis}", 1e-3, 0.0, 49.0) for axis in "xyz")
     info = DeviceInfo("liar", "1", "1", RATE_HZ, history.tick_hz, axes)
@@ -100,7 +126,8 @@ def received(history: History, seed: int) -> Outcome:
     now = [begun_ns]
     host = HostClock(lambda: now[0] + UTC_NS, lambda: now[0])
     reception = Reception(FrameParser(), InfoFrame(0, history.ticks[0], info), host)
-    ready_s = history.taken_s + FRAME / RATE_HZ + 1e-3 + rng.exponential(_DELAY_S, len(history.taken_s))
+    sent_s = history.taken_s + FRAME / RATE_HZ if handed_over_s is None else handed_over_s
+    ready_s = sent_s + 1e-3 + rng.exponential(_DELAY_S, len(sent_s))
     arrives = np.ceil(np.maximum.accumulate(ready_s) / _BATCH_S) * _BATCH_S
     found, gaps = list[tuple[int, float, float]](), list[Gap]()
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from arm.model import Floats
-from tests.daemon.clock_histories import FRAME, History, Outcome, drawn, received
+from tests.daemon.clock_histories import FRAME, RATE_HZ, History, Outcome, drawn, held_back, received
 from tests.soak import Long
 
 #: What the way of a frame may take beyond the shortest: a reader's batch and two waits of a busy host [s].
@@ -38,6 +38,39 @@ def test_stamps_stay_near_the_host_and_counts_are_right_where_they_are_called_ex
     assert beyond == 0
 
 
+def test_a_late_delivery_moves_no_stamp_by_more_than_is_stated(long: Long) -> None:
+    n_history, beyond, known, farthest_s = long.of(1000, 6), 0, 0, 0.0
+    for seed in range(n_history):
+        history, rng = drawn(6, 25.0), np.random.default_rng(seed)
+        drift_s = rng.uniform(6.0, 15.0)
+        if rng.random() < 0.5:  # one in two has an oscillator that drifts as well
+            drifts = history.taken_s >= drift_s
+            history.taken_s[drifts] += rng.uniform(-0.05, 0.05) * (history.taken_s[drifts] - drift_s)
+        over_s = held_back(history, rng)
+        off_s, found = _off_s(history, seed, over_s)
+        heard_s = over_s[np.searchsorted(history.taken_s, drift_s)]  # nobody knows before of a drift
+        settled = (history.taken_s < drift_s) | (over_s > heard_s + _RECOGNISED_S)
+        stated = settled & np.isfinite(found.error_s)
+        beyond += int(np.count_nonzero(off_s[stated] > 3.0 * found.error_s[stated] + _WAY_S))
+        known += int(np.count_nonzero(stated))
+        farthest_s = max(farthest_s, float(off_s[settled].max()))
+        assert not found.gaps
+    long.note(
+        f"{n_history} late deliveries: {beyond} of {known} stamps beyond three stated errors, the farthest "
+        f"{farthest_s:.2f} s off"
+    )
+    assert beyond == 0
+
+
+@pytest.mark.parametrize("faster", [1.5, 4.0])
+def test_a_delivery_that_catches_up_is_no_clock_that_halted(faster: float) -> None:
+    history = drawn(6, 20.0)
+    late_s = np.maximum(2.0 - (1.0 - 1.0 / faster) * np.maximum(history.taken_s - 8.0, 0.0), 0.0)
+    over_s = history.taken_s + FRAME / RATE_HZ + np.where(history.taken_s >= 8.0, late_s, 0.0)
+    off_s, found = _off_s(history, 0, over_s)
+    assert off_s.max() < 0.35 and not found.gaps  # all that is late by a constant moves stamps: by two seconds
+
+
 def test_a_timer_that_is_read_in_two_halves_moves_no_stamp_and_costs_no_sample() -> None:
     history = drawn(6)
     assert not history.lies_s and np.all(history.sent)
@@ -67,9 +100,9 @@ def test_a_clock_that_stands_still_is_off_once_and_samples_are_counted_by_frames
     assert np.max(np.abs(found.stamp_s - history.taken_s)) < 2 * _WAY_S
 
 
-def _off_s(history: History, seed: int = 0) -> tuple[Floats, Outcome]:
+def _off_s(history: History, seed: int = 0, handed_over_s: Floats | None = None) -> tuple[Floats, Outcome]:
     """Return by how much stamps are off, and all that was found."""
-    found = received(history, seed)
+    found = received(history, seed, handed_over_s)
     assert found.lost == 0
     return np.abs(found.stamp_s - history.taken_s), found
 

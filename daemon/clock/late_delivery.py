@@ -1,0 +1,49 @@
+"""Stamps that were moved because all arrivals came late, and how far off they are if only the delivery was late.
+
+A clock that halts together with the sampling, and a line that holds bytes back, show the same: ticks go on, and
+what arrives is late. Stamps follow arrivals, which come after what they bring. Had only the delivery been late,
+they would still be on the line from before. So the distance from that line is an error of the stamps, until a
+delivery that has caught up takes them back to it, or until no delivery is late for so long.
+"""
+
+from typing import NamedTuple
+
+#: A delivery that was late is on time again after this, a convention: what a second's buffer holds is gone in 20 s
+#: where the line is faster than the stream by a twentieth [s].
+_HELD_S = 30.0
+
+
+class _Before(NamedTuple):
+    device_s: float
+    host_s: float
+    rate: float
+
+
+class LateDelivery:
+    """Keeps the line on which stamps were before they were moved."""
+
+    def __init__(self) -> None:
+        self._before: _Before | None = None
+        self._until_s = 0.0
+
+    def moved(self, device_s: float, host_s: float, rate: float) -> None:
+        """Note that stamps are about to be moved from a line.
+
+        Parameters
+        ----------
+        device_s, host_s : float
+            A point of the line [s].
+        rate : float
+            Host's seconds in one of the device's.
+        """
+        if self._before is None or device_s >= self._until_s:
+            self._before = _Before(device_s, host_s, rate)
+        self._until_s = device_s + _HELD_S
+
+    def error_s(self, device_s: float, stamped_s: float) -> float:
+        """Return how far a stamp is from the line before, 0 where it is not in doubt [s]."""
+        if self._before is None or device_s >= self._until_s:
+            self._before = None
+            return 0.0
+        before = self._before
+        return max(stamped_s - before.host_s - before.rate * (device_s - before.device_s), 0.0)
