@@ -152,11 +152,13 @@ class DeviceClock:
         if late_s is None:
             return
         self._late_s = max(late_s, 0.0)
+        if late_s <= _LATE_S:
+            self._moved.on_time(device_s, stamped_s, self._state.rate, self._state.rate_std)
         if self._compared.in_a_row >= _IN_A_ROW:
             self._compared = _Compared()
             self._arrivals = LeastLate(self._state.rate)
             if late_s > 0.0:
-                self._moved.moved(device_s, stamped_s, self._state.rate)
+                self._moved.moved(device_s)
                 self._stamps.catch_up(late_s)
         if self._state.error_ms is not None:
             self._state = replace(self._state, error_ms=self._error_ms(device_s))

@@ -13,37 +13,44 @@ from typing import NamedTuple
 _HELD_S = 30.0
 
 
-class _Before(NamedTuple):
+class _Line(NamedTuple):
     device_s: float
     host_s: float
     rate: float
+    rate_std: float
 
 
 class LateDelivery:
-    """Keeps the line on which stamps were before they were moved."""
+    """Keeps the line on which stamps were while arrivals were on time."""
 
     def __init__(self) -> None:
-        self._before: _Before | None = None
+        self._on_time: _Line | None = None
+        self._before: _Line | None = None
         self._until_s = 0.0
 
-    def moved(self, device_s: float, host_s: float, rate: float) -> None:
-        """Note that stamps are about to be moved from a line.
+    def on_time(self, device_s: float, host_s: float, rate: float, rate_std: float) -> None:
+        """Note a point of the line that arrivals agree with.
 
         Parameters
         ----------
         device_s, host_s : float
-            A point of the line [s].
-        rate : float
-            Host's seconds in one of the device's.
+            The point [s].
+        rate, rate_std : float
+            Host's seconds in one of the device's, and its standard error.
         """
+        self._on_time = _Line(device_s, host_s, rate, rate_std)
+
+    def moved(self, device_s: float) -> None:
+        """Note that stamps from ``device_s`` [s] on follow arrivals that were late."""
         if self._before is None or device_s >= self._until_s:
-            self._before = _Before(device_s, host_s, rate)
+            self._before = self._on_time
         self._until_s = device_s + _HELD_S
 
     def error_s(self, device_s: float, stamped_s: float) -> float:
-        """Return how far a stamp is from the line before, 0 where it is not in doubt [s]."""
+        """Return how far a stamp may be from the line before, 0 where it is not in doubt [s]."""
         if self._before is None or device_s >= self._until_s:
             self._before = None
             return 0.0
-        before = self._before
-        return max(stamped_s - before.host_s - before.rate * (device_s - before.device_s), 0.0)
+        since_s = device_s - self._before.device_s
+        expected_s = self._before.host_s + self._before.rate * since_s
+        return abs(stamped_s - expected_s) + self._before.rate_std * since_s

@@ -98,18 +98,16 @@ def held_back(history: History, rng: np.random.Generator) -> NDArray[np.float64]
     """
     made_s = history.taken_s + FRAME / RATE_HZ
     over_s = np.empty_like(made_s)
-    stalls = [
-        (begin_s, begin_s + np.exp(rng.uniform(np.log(0.05), np.log(3.0))), np.exp(rng.uniform(0.001, np.log(8.0))))
-        for begin_s in rng.uniform(4.0, 0.8 * made_s[-1], rng.integers(1, 4))
-    ]
-    last_s, faster = 0.0, np.inf
-    for k, at_s in enumerate(made_s):
-        at_s = max(at_s, last_s + FRAME / RATE_HZ / faster)
-        for begin_s, end_s, then in stalls:
-            if begin_s <= at_s < end_s:
-                at_s, faster = end_s, then
-        if at_s == made_s[k]:  # nothing waits any more
-            faster = np.inf
+    begin_s = np.sort(rng.uniform(4.0, 0.8 * made_s[-1], rng.integers(1, 4)))
+    end_s = begin_s + np.exp(rng.uniform(np.log(0.05), np.log(3.0), len(begin_s)))
+    faster = np.exp(rng.uniform(0.001, np.log(8.0), len(begin_s)))
+    last_s, gap_s = 0.0, 0.0
+    for k, one_s in enumerate(made_s):
+        at_s = max(float(one_s), last_s + gap_s)
+        for stall in np.flatnonzero((begin_s <= at_s) & (at_s < end_s)):
+            at_s, gap_s = float(end_s[stall]), FRAME / RATE_HZ / float(faster[stall])
+        if at_s == one_s:  # nothing waits any more
+            gap_s = 0.0
         over_s[k] = last_s = at_s
     return over_s
 
