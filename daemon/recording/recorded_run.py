@@ -61,7 +61,9 @@ def device_of(path: Path) -> DeviceInfo:
 
 
 def blocks_of(path: Path) -> Iterator[Block]:
-    """Yield the blocks of a recording and of those that its run went on with, in order.
+    """Yield the blocks of a recording and of those that its run went on with, in order, each once.
+
+    After a disk failed, the next file repeats what may not have reached the one before.
 
     Parameters
     ----------
@@ -74,10 +76,14 @@ def blocks_of(path: Path) -> Iterator[Block]:
         If a file cannot be read.
     """
     from_it_on = [*dropwhile(lambda file: file != path, files_of(path))]
+    reached = 0
     for file in [path, *from_it_on[1:]]:
         with read_recording(file, [RAW]) as messages:
             for _, fields, _ in messages:
-                yield Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])
+                block = Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])
+                if block.sample0 >= reached:
+                    reached = block.sample0 + len(block.a)
+                    yield block
 
 
 def counts_of(block: Block, info: DeviceInfo) -> NDArray[np.int16]:
