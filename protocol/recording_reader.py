@@ -1,6 +1,7 @@
 """Reading recordings as a stream, so that one whose writer was killed is read up to where it ends."""
 
 import struct
+import zlib
 from collections.abc import Callable, Collection, Generator, Iterator
 from pathlib import Path
 from types import TracebackType
@@ -21,6 +22,8 @@ from protocol.recording import MESSAGE_ENCODING
 MAGIC = b"\x89MCAP0\r\n"
 #: No record of ours comes near; a length beyond it is damage, not data.
 MAX_RECORD_BYTES = 256 * 1024 * 1024
+#: Of a record: its opcode and length; of an attachment: the checksum at its end, 0 for none (MCAP specification).
+_HEAD_BYTES, _CRC_BYTES = 9, 4
 
 #: What the library raises at bytes that are no record.
 DAMAGE = (McapError, ZstdError, struct.error, ValueError, OverflowError, MemoryError)
@@ -111,7 +114,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def _channels_of_footer(self) -> dict[int, Channel]:
         """Return the channels as repeated at the end, for when the chunk that declared them is damaged."""
         with _open(self.path) as file:
-            return {record.id: record for record in _records(file) if isinstance(record, Channel)}
+            return {record.id: record for _, record in _records(file) if isinstance(record, Channel)}
 
     def close(self) -> None:
         """Close the file before the end is reached; harmless otherwise."""
@@ -136,8 +139,7 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
     def _unpacked(self) -> Iterator[McapRecord]:
         """Yield the records, those inside a chunk in its place."""
         with _open(self.path) as file:
-            place = file.tell()
-            for record in _records(file):
+            for place, record in _records(file):
                 if record is None:
                     self.cut = True
                     self.warnings.append(
@@ -145,9 +147,13 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                     )
                 elif isinstance(record, Chunk):
                     yield from self._opened(record, place)
+                elif isinstance(record, Attachment) and not _is_sound(file, place):
+                    self.warnings.append(
+                        f"{self.path}: the attachment at byte {place} is damaged and passed over: "
+                        "its checksum is another"
+                    )
                 else:
                     yield record
-                place = file.tell()
 
     def _opened(self, chunk: Chunk, place: int) -> Iterator[McapRecord]:
         try:
@@ -164,6 +170,8 @@ def read_recording(path: str | Path, topics: Collection[str] | None = None) -> R
 def recording_attachments(path: str | Path) -> dict[str, bytes]:
     """Return the attachments that stand at the beginning of a recording, ``arm.toml`` and ``limbd.toml``.
 
+    One whose checksum is another is left out: with a digit of it changed an arm is still an arm.
+
     Raises
     ------
     DataError
@@ -173,23 +181,36 @@ def recording_attachments(path: str | Path) -> dict[str, bytes]:
     """
     attachments: dict[str, bytes] = {}
     with _open(Path(path)) as file:
-        for record in _records(file):
+        for place, record in _records(file):
             if isinstance(record, Attachment):
-                attachments[record.name] = record.data
+                if _is_sound(file, place):
+                    attachments[record.name] = record.data
             elif isinstance(record, Chunk) or record is None:
                 break
     return attachments
 
 
-def _records(file: IO[bytes]) -> Iterator[McapRecord | None]:
-    """Yield the records as they stand in the file, and None where no more can be read before its footer.
+def _records(file: IO[bytes]) -> Iterator[tuple[int, McapRecord | None]]:
+    """Yield the records as they stand in the file, each with its place, and None where no more can be read.
 
     The library's reader stops with one of several exceptions at a cut, depending on what it was reading.
     """
+    place = len(MAGIC)
     try:
-        yield from StreamReader(bounded(file), emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records
+        for record in StreamReader(bounded(file), emit_chunks=True, record_size_limit=MAX_RECORD_BYTES).records:
+            yield place, record
+            place = file.tell()
     except DAMAGE:
-        yield None
+        yield place, None
+
+
+def _is_sound(file: IO[bytes], place: int) -> bool:
+    """Say whether an attachment that was just read has its checksum, at which the library does not look."""
+    length = file.tell() - place - _HEAD_BYTES
+    file.seek(place + _HEAD_BYTES)
+    content = file.read(length)
+    stated = int.from_bytes(content[-_CRC_BYTES:], "little")
+    return stated in (0, zlib.crc32(content[:-_CRC_BYTES]))
 
 
 def _open(path: Path) -> IO[bytes]:

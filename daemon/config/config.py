@@ -85,7 +85,9 @@ def replayed_setup(recording: Path, flags: Flags, speed: float) -> Setup:
     """
     attached = recording_attachments(recording)
     if missing := {ARM_ATTACHMENT, CONFIG_ATTACHMENT} - set(attached):
-        raise DataError(f"recording {recording}: {' and '.join(sorted(missing))} are not attached to it")
+        raise DataError(
+            f"recording {recording}: {' and '.join(sorted(missing))} are not attached to it, or damaged"
+        )
     arm_text, config_text = (
         attached[name].decode(errors="replace") for name in (ARM_ATTACHMENT, CONFIG_ATTACHMENT)
     )

@@ -6,6 +6,8 @@ from typing import Annotated, Literal
 
 from pydantic import AfterValidator, BaseModel, ConfigDict, Field, Strict
 
+from protocol.device_info import RATE_HZ
+
 #: The highest rate that Linux takes of a line: `c_ospeed` of termios2, as pyserial fills it in.
 _MOST_BAUD = 2**31 - 1
 #: The highest port of TCP (RFC 9293): 16 bits.
@@ -40,12 +42,13 @@ class TrackingTable(_Table):
     """`[tracking]`: how accelerations become joint motion.
 
     Without ``initial_q_rad`` the filter asks gravity where the arm rests, and the integrator takes zero. ``zero``
-    concerns the integrator only, which takes "each-rest" where it is left out.
+    concerns the integrator only, which takes "each-rest" where it is left out. Frames are no rarer than a device's
+    samples may be.
     """
 
     method: Literal["filter", "integrate"] = "filter"
     initial_q_rad: Annotated[tuple[Number, ...], Strict(strict=False)] | None = None
-    frame_rate_hz: Annotated[Number, Field(gt=0)] = 1000.0
+    frame_rate_hz: Annotated[Number, Field(ge=RATE_HZ[0])] = 1000.0
     zero: Literal["each-rest", "first-rest"] | None = None
 
 
@@ -74,9 +77,9 @@ class RecordTable(_Table):
     free_mb: Annotated[Number, Field(ge=0)] = 100.0
 
     @property
-    def file_bytes(self) -> int:
+    def file_bytes(self) -> float:
         """How large a file grows."""
-        return int(1e6 * self.file_mb)
+        return 1e6 * self.file_mb
 
     @property
     def file_s(self) -> float:
@@ -84,9 +87,9 @@ class RecordTable(_Table):
         return 60.0 * self.file_minutes
 
     @property
-    def free_bytes(self) -> int:
+    def free_bytes(self) -> float:
         """What must be free on the disk."""
-        return int(1e6 * self.free_mb)
+        return 1e6 * self.free_mb
 
 
 class TrialsTable(_Table):

@@ -34,13 +34,13 @@ class AlarmConditions:
     reception : Reception
     names : sequence of str
         Of the channels.
-    free_bytes : int
+    free_bytes : float
         Where recording pauses.
     n_rate : int
         How many channels, the last ones, are of gyroscopes.
     """
 
-    def __init__(self, reception: Reception, names: Sequence[str], free_bytes: int, n_rate: int = 0) -> None:
+    def __init__(self, reception: Reception, names: Sequence[str], free_bytes: float, n_rate: int = 0) -> None:
         self._reception, self._names, self._free_bytes, self._n_rate = reception, names, free_bytes, n_rate
         self._lost = self._frames = self._discarded = self._malformed = 0
         self._clock_errors = self._clock_off = 0

@@ -69,7 +69,7 @@ class Pipeline:
         self._names = [channel.name for channel in reception.info.channels]
         record = setup.config.record
         self._directory = None if record is None else record.directory
-        free_bytes = 0 if record is None else record.free_bytes
+        free_bytes = 0.0 if record is None else record.free_bytes
         self._n_rate = 3 * len(setup.arm.gyroscopes)
         self._conditions = AlarmConditions(reception, self._names, free_bytes, self._n_rate)
         self._alarms = Alarms()

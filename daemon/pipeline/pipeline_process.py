@@ -10,6 +10,7 @@ from daemon.acquisition.handshake import Handshake, check_channels
 from daemon.acquisition.ring import Memory, Ring
 from daemon.config.config import WAIT_ADVICE, Setup
 from daemon.pipeline.pipeline import Pipeline, tracker_for
+from daemon.pipeline.recorded_gaps import RecordedGaps
 from daemon.process.control_line import ControlLine, SupervisorGone
 from daemon.process.early_stop import stopped_early
 from daemon.reception.reception import Reception
@@ -94,11 +95,11 @@ def run_pipeline(
 
 
 def _reception(setup: Setup, parser: FrameParser, introduction: InfoFrame) -> Reception:
-    """Return the reception of a device; the clock of a recording is the one that it was recorded by."""
+    """Return the reception of a device; clock and gaps of a recording are those that it was recorded with."""
     if setup.replay is None:
         return Reception(parser, introduction)
-    recorded = RecordedClock(setup.replay)
-    return Reception(parser, introduction, new_clock=lambda *_: recorded, steps=recorded)
+    recorded, gaps = RecordedClock(setup.replay), RecordedGaps(setup.replay)
+    return Reception(parser, introduction, new_clock=lambda *_: recorded, steps=recorded, known_gap=gaps.before)
 
 
 def _pipeline(

@@ -15,7 +15,7 @@ from daemon.reception.loss_attribution import LossAttribution
 from daemon.reception.sample_ledger import Gap
 from daemon.reception.sample_runs import Run, StepTimes
 from daemon.reception.sequencer import Sequencer
-from daemon.reception.timed_samples import NewClock, TimedSamples
+from daemon.reception.timed_samples import KnownGap, NewClock, TimedSamples
 from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
 from protocol.serial_parser import Frame, FrameParser
 
@@ -43,6 +43,8 @@ class Reception:
         what UTC is ahead of that, and the host's seconds in one of the device's as far as they are known.
     steps : StepTimes, optional
         Knows the time from one sample to the next where that is not to be measured.
+    known_gap : callable, optional
+        Returns the gap right before the sample at a tick, if any, where that is not to be found out.
 
     Attributes
     ----------
@@ -63,13 +65,14 @@ class Reception:
         host: HostClock | None = None,
         new_clock: NewClock = DeviceClock,
         steps: StepTimes | None = None,
+        known_gap: KnownGap | None = None,
     ) -> None:
         self.info = introduction.info
         self.parser = parser
         self.sequencer = Sequencer()
         self.host = host or HostClock()
         self._losses = LossAttribution(parser.counters)
-        self._timed = TimedSamples(self.info, self._losses, self.host, new_clock, steps)
+        self._timed = TimedSamples(self.info, self._losses, self.host, new_clock, steps, known_gap)
         self.ledger, self.requests, self.guard = self._timed.ledger, self._timed.requests, self._timed.guard
         self.rate, self.watch = self._timed.rate, self._timed.watch
         self._counter = TickCounter(self.info.tick_hz)

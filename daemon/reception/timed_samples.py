@@ -1,6 +1,7 @@
 """Where each sample stands in a run: its number, its time, and what is missing before it, with the cause."""
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from daemon.clock.device_clock import Clock, DeviceClock
 from daemon.clock.host_clock import HostClock
@@ -15,6 +16,7 @@ from protocol.device_info import DeviceInfo
 from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesFrame, SamplesRun
 
 NewClock = Callable[[float, int, int, int, float], Clock]
+KnownGap = Callable[[int], Gap | None]
 
 _JUMPED = "the device's clock jumped"
 
@@ -32,6 +34,8 @@ class TimedSamples:
         Returns a device's clock, see `daemon.reception.reception.Reception`.
     steps : StepTimes, optional
         Knows the time from one sample to the next where that is not to be measured.
+    known_gap : callable, optional
+        Returns the gap right before the sample at a tick, if any, where that is not to be found out.
 
     Attributes
     ----------
@@ -53,6 +57,7 @@ class TimedSamples:
         host: HostClock,
         new_clock: NewClock = DeviceClock,
         steps: StepTimes | None = None,
+        known_gap: KnownGap | None = None,
     ) -> None:
         self.ledger = SampleLedger(info.rate_hz, info.tick_hz)
         self.requests = InfoRequests()
@@ -61,7 +66,7 @@ class TimedSamples:
         self.watch = ChannelWatch(info.channels, info.rate_hz)
         self.clock: Clock | None = None
         self._info, self._losses, self._host, self._new_clock = info, losses, host, new_clock
-        self._steps = steps or self.rate
+        self._steps, self._known_gap = steps or self.rate, known_gap or (lambda _: None)
         self._counted = CountedRuns(info.channels, self.watch)
         self._new_gaps: list[Gap] = []
 
@@ -97,10 +102,13 @@ class TimedSamples:
         """
         lost = self.ledger.missing(frame)
         begun_anew = lost is None
+        known = self._known_gap(frame.ticks) if self.clock is None or lost else None
         if self.clock is None or lost is None:
             by_host = self._start_clock(frame, last, arrival_ns)
             lost = by_host if lost is None else lost
         assert self.clock is not None
+        if known is not None:
+            lost = known.samples
         t_ns = self.clock.utc_ns(frame.ticks) - round(1e9 * lost / self._rate_hz)
         if off is not None:
             self._note(Gap(self.ledger.position, 0, t_ns, _jumped(off / self._info.tick_hz), False), _JUMPED)
@@ -116,7 +124,8 @@ class TimedSamples:
             # A clock that resolves the samples of a frame distinguishes it from an INFO frame, which has none.
             distinguished = not self.requests.most or self.ledger.resolves(lost, sizes.smallest)
             exact = by_number and distinguished and sizes.are_one and not begun_anew and not self.guard.is_off
-            self._note(Gap(self.ledger.position, lost, t_ns, why, exact))
+            found = Gap(self.ledger.position, lost, t_ns, why, exact)
+            self._note(found if known is None else replace(known, sample0=found.sample0))
         first = self.ledger.position + lost
         times = FrameTimes(first, len(frame.counts), [frame.ticks], self.clock, self._steps)
         self._counted.add(times, frame.counts, lost)

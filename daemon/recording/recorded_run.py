@@ -60,8 +60,15 @@ def device_of(path: Path) -> DeviceInfo:
     raise DataError(f"recording {path}: nothing says what the device was, expected a recording of `limbd run`")
 
 
+def files_from(path: Path) -> list[Path]:
+    """Return a file of a recording and those that its run went on with, as far as they are there, in order."""
+    return [path, *[*dropwhile(lambda file: file != path, files_of(path))][1:]]
+
+
 def blocks_of(path: Path) -> Iterator[Block]:
-    """Yield the blocks of a recording and of those that its run went on with, in order.
+    """Yield the blocks of a recording and of those that its run went on with, in order, each once.
+
+    After a disk failed, the next file repeats what may not have reached the one before.
 
     Parameters
     ----------
@@ -73,11 +80,14 @@ def blocks_of(path: Path) -> Iterator[Block]:
     DataError
         If a file cannot be read.
     """
-    from_it_on = [*dropwhile(lambda file: file != path, files_of(path))]
-    for file in [path, *from_it_on[1:]]:
+    reached = 0
+    for file in files_from(path):
         with read_recording(file, [RAW]) as messages:
             for _, fields, _ in messages:
-                yield Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])
+                block = Block(int(fields["sample0"]), int(fields["t0_ns"]), float(fields["dt_s"]), fields["a"])
+                if block.sample0 >= reached:
+                    reached = block.sample0 + len(block.a)
+                    yield block
 
 
 def counts_of(block: Block, info: DeviceInfo) -> NDArray[np.int16]:

@@ -27,15 +27,14 @@ class Limits:
 
     Attributes
     ----------
-    file_bytes : int
-    file_s : float
-    free_bytes : int
+    file_bytes, file_s : float
+    free_bytes : float
         Recording pauses when less than this is free.
     """
 
-    file_bytes: int
+    file_bytes: float
     file_s: float
-    free_bytes: int
+    free_bytes: float
 
 
 class Segments:

@@ -10,7 +10,7 @@ import numpy as np
 from arm.model import Arm
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
-from fitter.data.recordings import read_frames
+from fitter.data.recordings import by_run, read_frames
 from limbcal.errors import ConfigError
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
@@ -47,9 +47,10 @@ class TrialSet:
             return []
         mapping = parse_mapping(self.columns, arm.n_joint)
         motions: list[Measured] = []
-        for path in expand(self.sources):
+        for together in by_run(expand(self.sources)):
+            path = together[0]
             if path.suffix.lower() in RECORDINGS:
-                motions += read_frames(path, arm.n_joint)
+                motions += read_frames(together, arm.n_joint)
             else:
                 motions += questioned(read_motions(path, arm.n_joint, mapping, rate_hz, required=("q",)), arm)
         return motions

@@ -12,7 +12,7 @@ from fitter.data.gaps import Gap, find_gaps
 from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.plausibility.readings import look
-from fitter.data.recordings import read_raw_blocks
+from fitter.data.recordings import by_run, read_raw_blocks
 from fitter.data.sensor_files import AXES, Part, gyro_axes, gyro_role, join, part_of
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note
@@ -154,7 +154,7 @@ def load_raw(
     sources : sequence of Path
         Files and folders: tables with ``t``, ``s1x s1y s1z …`` and, where there are, ``s1gx s1gy s1gz …`` of
         gyroscopes, and where known ``q1 …``, ``ref1 …`` and ``trial``; one file per sensor, see
-        `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``).
+        `fitter.data.sensor_files`; or recordings of the daemon (``.mcap``), those of one run read as one.
     sensors : sequence of str
         Names of the sensors in the arm's order, such as ``("s1", "s2")``.
     n_joint : int
@@ -187,13 +187,15 @@ def load_raw(
     files = expand(sources)
     parts: list[Part] = []
     whole: list[Measured] = []
-    for path in files:
+    for together in by_run(files):
+        path = together[0]
         if path.suffix.lower() in RECORDINGS:
             gyros = () if arm is None else tuple(arm.sensors[s].name for s in arm.gyroscopes)
-            t, a = read_raw_blocks(path, len(axes), 3 * len(gyros))
+            t, a = read_raw_blocks(together, len(axes), 3 * len(gyros))
             found = {gyro_role(name): a[:, 3 * k : 3 * k + 3] for k, name in enumerate(gyros, len(sensors))}
             found = {role: values for role, values in found.items() if values.size}
-            whole.append(Measured(path.stem, str(path), 0, t, {"a": a[:, : len(axes)], **found}))
+            where = ", ".join(map(str, together))
+            whole.append(Measured(path.stem, where, 0, t, {"a": a[:, : len(axes)], **found}))
         elif len(files) > 1 and (part := part_of(path, sensors, mapping)) is not None:
             parts.append(part)
         else:

@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from fitter.data.blocks import read_blocks
 from fitter.data.motions import Measured
-from fitter.data.recordings import read_frames
+from fitter.data.recordings import by_run, read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.stretches import Stretch, stretches
 from fitter.data.trial_filter import choose_cutoff_hz
@@ -70,7 +70,8 @@ def find_corner_hz(
     reading = Reading(columns, rate_hz, stretch=CORNER_VALUES)
     motions: list[Measured] = []
     seen = 0
-    for stretch in (part for path in files for part in stretches_of(path, n_joint, reading, only_nearest=True)):
+    runs = by_run(files)
+    for stretch in (part for one in runs for part in stretches_of(one, n_joint, reading, only_nearest=True)):
         if seen >= budget or not stretch.begins:
             return choose_cutoff_hz(_uniform(motions, rate_hz)), seen
         motions.append(stretch.motion)
@@ -84,10 +85,16 @@ def _uniform(motions: Sequence[Measured], rate_hz: float | None) -> list[Uniform
     return [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
 
 
-def stretches_of(path: Path, n_joint: int, reading: Reading, only_nearest: bool = False) -> Iterator[Stretch]:
-    """Read a file's learning trials; of each only the columns nearest to an acceleration, if no more is wanted."""
+def stretches_of(
+    files: Sequence[Path], n_joint: int, reading: Reading, only_nearest: bool = False
+) -> Iterator[Stretch]:
+    """Read the learning trials of a file, or of the recordings of one run.
+
+    Of each only the columns nearest to an acceleration are read, if no more is wanted.
+    """
+    path = files[0]
     if path.suffix.lower() in RECORDINGS:
-        for motion in read_frames(path, n_joint):
+        for motion in read_frames(files, n_joint):
             if motion.role != "evaluate":
                 yield Stretch(motion, slice(0, len(motion.t)), True, True)
         return

@@ -15,6 +15,7 @@ from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.message import FRAMES, RAW, TRIAL
 from protocol.recording_reader import read_recording
+from protocol.tables.files import RECORDINGS
 
 Floats = NDArray[np.float64]
 Fields = Mapping[str, object]
@@ -27,21 +28,49 @@ _NS = 1e-9
 
 @dataclass(frozen=True)
 class Window:
-    """A motion that the tracker recognised: from rest to rest, in seconds of the recording's clock."""
+    """A motion that the tracker recognised: from rest to rest, in seconds of the recording's clock.
+
+    One that the recording breaks off in goes to the recording's end, where the arm does not rest.
+    """
 
     name: str
     role: str | None
     begin_s: float
     end_s: float
+    broken_off: bool = False
 
 
-def read_frames(path: Path, n_joint: int) -> list[Measured]:
+def by_run(files: Sequence[Path]) -> list[tuple[Path, ...]]:
+    """Return files in the order given, recordings that one run of the daemon went on in together.
+
+    Those of a run stand where the first of them does, in the order in which they were written, which is not that
+    of their names.
+
+    Raises
+    ------
+    DataError, ProtocolError
+        If a recording cannot be read.
+    """
+    groups: dict[object, list[tuple[int, Path]]] = {}
+    for path in files:
+        run, t_ns = _run_of(path) if path.suffix.lower() in RECORDINGS else (None, 0)
+        groups.setdefault(path if run is None else run, []).append((t_ns, path))
+    return [tuple(path for _, path in sorted(group)) for group in groups.values()]
+
+
+def _run_of(path: Path) -> tuple[object, int]:
+    """Return the run that a recording is of, if it says so, and the time of its first message [ns]."""
+    with read_recording(path, (FRAMES, RAW, TRIAL)) as messages:
+        return next(((fields.get("run"), t_ns) for _, fields, t_ns in messages), (None, 0))
+
+
+def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
     """Read the joint motion of a recording, one motion for every trial announced in it.
 
     Parameters
     ----------
-    path : Path
-        An ``.mcap`` file of the daemon.
+    files : sequence of Path
+        An ``.mcap`` file of the daemon, or those of one run in order, see `by_run`.
     n_joint : int
         Number of joints of the arm.
 
@@ -56,13 +85,21 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
     DataError
         If there are no frames in it or they are of another arm.
     """
+    path, where = files[0], ", ".join(map(str, files))
     blocks: list[Fields] = []
     events: list[Fields] = []
-    messages = read_recording(path, (FRAMES, TRIAL))
-    for topic, fields, _ in messages:
-        (blocks if topic == FRAMES else events).append(fields)
+    damaged: list[Note] = []
+    for file in files:
+        messages = read_recording(file, (FRAMES, TRIAL))
+        for topic, fields, _ in messages:
+            if topic == FRAMES:
+                blocks.append(fields)
+            elif fields not in events:  # the next file repeats what may not have reached the one before
+                events.append(fields)
+        damaged += [Note("damaged", warning) for warning in messages.warnings]
     if not blocks:
-        raise DataError(f"{path}: no {FRAMES} in this recording")
+        raise DataError(f"{where}: no {FRAMES} in this recording")
+    blocks = _once(blocks, "frame0", path)
     start_ns = _whole(blocks[0], "t0_ns", path)
     t = _times(blocks, "frame0", start_ns, path)
     names = (*FRAME_COLUMNS, *([_CLAIM] if all(block.get(_CLAIM) is not None for block in blocks) else []))
@@ -71,34 +108,35 @@ def read_frames(path: Path, n_joint: int) -> list[Measured]:
         found = columns["q"].shape[1:]
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
     lost = sum(bool(block.get("gap")) for block in blocks)
-    notes = tuple(Note("damaged", warning) for warning in messages.warnings)
+    notes = tuple(damaged)
     if lost:
         notes = (*notes, Note("lost", f"{lost} block(s) of frames after lost samples"))
     windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
     if windows:
-        spans = [(window.begin_s, window.end_s) for window in windows]
+        spans = [(window.begin_s, window.end_s) for window in windows if not window.broken_off]
         drifting = dead_reckoned(blocks[0].get("method"))
         columns = without_drift(t, columns, spans, drifting)
         said = ", ".join(name for family in drifting for name in family)
-        taken = f"drift taken out by the rest at the end of each motion ({said})"
-        notes = (*notes, Note("drift", taken))
-    whole = Measured(path.stem, str(path), 0, t, columns, notes=notes)
+        taken = Note("drift", f"drift taken out by the rest at the end of each motion ({said})")
+        left = Note("drift", f"the recording ends before the motion does: its drift is left in it ({said})")
+    whole = Measured(path.stem, where, 0, t, columns, notes=notes)
     if not windows:
         return [whole]
     motions: list[Measured] = []
     for window in windows:
         begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS])
-        motions.append(replace(whole.rows(int(begin), int(end), window.name), role=window.role))
+        motion = whole.rows(int(begin), int(end), window.name, left if window.broken_off else taken)
+        motions.append(replace(motion, role=window.role))
     return [motion for motion in motions if len(motion.t)]
 
 
-def read_raw_blocks(path: Path, n_channel: int, n_gyro: int = 0) -> tuple[Floats, Floats]:
+def read_raw_blocks(files: Sequence[Path], n_channel: int, n_gyro: int = 0) -> tuple[Floats, Floats]:
     """Read the raw readings of a recording.
 
     Parameters
     ----------
-    path : Path
-        An ``.mcap`` file of the daemon.
+    files : sequence of Path
+        An ``.mcap`` file of the daemon, or those of one run in order, see `by_run`.
     n_channel : int
         Channels that the arm's accelerometers have together.
     n_gyro : int
@@ -116,9 +154,11 @@ def read_raw_blocks(path: Path, n_channel: int, n_gyro: int = 0) -> tuple[Floats
     DataError
         If there are none in it or they have other channels.
     """
-    blocks = [fields for _, fields, _ in read_recording(path, (RAW,))]
+    path = files[0]
+    blocks: list[Fields] = [fields for file in files for _, fields, _ in read_recording(file, (RAW,))]
     if not blocks:
-        raise DataError(f"{path}: no {RAW} in this recording")
+        raise DataError(f"{', '.join(map(str, files))}: no {RAW} in this recording")
+    blocks = _once(blocks, "sample0", path)
     start_ns = _whole(blocks[0], "t0_ns", path)
     t = _times(blocks, "sample0", start_ns, path)
     accelerations = np.concatenate([_array(block, "a", path) for block in blocks])
@@ -142,8 +182,20 @@ def _windows(stem: str, events: Sequence[Fields], start_ns: int, end_s: float, p
             role = event.get("role")
             begun = (f"{stem}/{event.get('trial')}", str(role) if role is not None else None, at_s)
     if begun is not None:
-        windows.append(Window(*begun, end_s))
+        windows.append(Window(*begun, end_s, broken_off=True))
     return windows
+
+
+def _once(blocks: Sequence[Fields], first: str, path: Path) -> list[Fields]:
+    """Return blocks without those that a file repeats; ``first`` is the field with the number of their first."""
+    kept: list[Fields] = []
+    reached: int | None = None
+    for block in blocks:
+        number = _whole(block, first, path)
+        if reached is None or number >= reached:
+            kept.append(block)
+            reached = number + _whole(block, "n", path)
+    return kept
 
 
 def _times(blocks: Sequence[Fields], first: str, start_ns: int, path: Path) -> Floats:

@@ -9,7 +9,7 @@ from arm.model import Arm
 from fitter.data.derived_trial import derive
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
-from fitter.data.recordings import read_frames
+from fitter.data.recordings import by_run, read_frames
 from fitter.data.resample import resample, split_at_holes
 from fitter.data.trial import Role, Trial
 from fitter.data.trial_filter import FIT_CORNER, choose_cutoff_hz
@@ -32,8 +32,9 @@ def load_trials(
     """Read a set of trials.
 
     A file is one trial, or several if it has a column ``trial``, cells (``.mat``) or announced motions
-    (recordings). Missing derivatives are computed without a phase shift; then every measured column of the trial
-    passes the same filter and the ends are trimmed. Derivatives that are there are used as they are.
+    (recordings, those of one run read as one). Missing derivatives are computed without a phase shift; then every
+    measured column of the trial passes the same filter and the ends are trimmed. Derivatives that are there are
+    used as they are.
 
     Parameters
     ----------
@@ -74,9 +75,10 @@ def load_trials(
     mapping = parse_mapping(columns, n_joint)
     motions: list[Measured] = []
     files = expand(sources)
-    for path in files:
+    for together in by_run(files):
+        path = together[0]
         if path.suffix.lower() in RECORDINGS:
-            motions += [motion for motion in read_frames(path, n_joint) if role in (None, motion.role)]
+            motions += [motion for motion in read_frames(together, n_joint) if role in (None, motion.role)]
         else:
             read = read_motions(path, n_joint, mapping, rate_hz, required=("q",))
             motions += read if arm is None else questioned(read, arm)

@@ -12,6 +12,7 @@ from arm.structural_parameters import structural_parameters
 from fitter.data.derived_trial import derive
 from fitter.data.plausibility.questions import questioned
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
+from fitter.data.recordings import by_run
 from fitter.data.resample import Uniform
 from fitter.data.standstill import REST_SPEED
 from fitter.data.stretches import Stretch
@@ -116,23 +117,23 @@ def reduce_trials(
     reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz)
     parts: list[TorqueSums] = []
     trials: list[str] = []
-    work = partial(reduce_file, arm, rest_speed, reading)
-    with closing(in_order(work, files, workers, dask)) as results:  # closed: whatever happens, no process stays
+    work, runs = partial(reduce_file, arm, rest_speed, reading), by_run(files)
+    with closing(in_order(work, runs, workers, dask)) as results:  # closed: whatever happens, no process stays
         for done, reduced in enumerate(results, 1):
             notes += reduced.notes
             if reduced.sums is not None:
                 parts.append(reduced.sums)
                 trials += reduced.trials
             if progress is not None:
-                progress(done, len(files))
+                progress(done, len(runs))
     if not parts:
         raise DataError(f"{', '.join(map(str, files))}: no learning trial in it")
     saved = ArmSums(equation, add_up(parts), tuple(trials))
     return Reduction(saved, cutoff_hz, reading.band_hz, tuple(notes))
 
 
-def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Reduced:
-    """Reduce one file.
+def reduce_file(arm: Arm, rest_speed: float, reading: Reading, files: Sequence[Path]) -> Reduced:
+    """Reduce one file, or the recordings of one run.
 
     Raises
     ------
@@ -144,7 +145,7 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, path: Path) -> Re
     trials: list[str] = []
     notes: list[Note] = []
     long: RunningSums | None = None
-    for stretch in stretches_of(path, arm.n_joint, reading):
+    for stretch in stretches_of(files, arm.n_joint, reading):
         if stretch.whole:
             motions = questioned([stretch.motion], arm)
             for trial in to_trials(motions, reading.rate_hz, reading.cutoff_hz, reading.band_hz):

@@ -72,7 +72,7 @@ def test_the_filter_follows_the_virtual_arm(limbd: Limbd, tmp_path: Path) -> Non
     assert phases == [(1, "begin"), (1, "end"), (2, "begin"), (2, "end")]
     rows = [row for message in recorded(announced["recording"], PLOT) for row in message["rows"]]
     assert all(row["q_std1"] > 0.0 for row in rows)
-    for motion in read_frames(Path(announced["recording"]), 2):
+    for motion in read_frames([Path(announced["recording"])], 2):
         assert motion.columns["q_std"].shape == motion.columns["q"].shape
     source = recording_source(Path(announced["recording"]), None)
     assert (source.trials, source.notes) == ((1, 2), ())

@@ -167,3 +167,12 @@ def test_a_record_longer_than_any_is_not_read(tmp_path):
 def test_attachments_of_a_file_cut_before_them(recording, scratch):
     scratch.write_bytes(recording[:40])
     assert recording_attachments(scratch) == {}
+
+
+def test_an_attachment_with_another_checksum_is_passed_over(recording, scratch):
+    text = b"application/toml" + (3).to_bytes(8, "little")
+    damaged = recording.replace(text + b"arm", text + b"are")
+    found, reader = read(scratch, damaged)
+    assert recording_attachments(scratch) == {"limbd.toml": b"config"}
+    assert len(found) == N
+    assert len(reader.warnings) == 1 and "the attachment at byte" in reader.warnings[0]

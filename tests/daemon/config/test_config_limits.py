@@ -69,6 +69,7 @@ def test_what_is_missing_is_said_with_its_flag() -> None:
         ({"tracking": {"initial_q_rad": [0.0, 0.0, 0.0]}}, "initial_q_rad has 3 numbers, expected one a joint"),
         ({"tracking": {"initial_q_rad": []}}, "initial_q_rad has 0 numbers, expected one a joint of 'dd-arm' (2)"),
         ({"tracking": {"frame_rate_hz": 0}}, "tracking.frame_rate_hz is 0"),
+        ({"tracking": {"frame_rate_hz": 1e-300}}, "tracking.frame_rate_hz is 1e-300"),
         ({"trials": {"learning": -1}}, "trials.learning is -1"),
         ({"record": {"directory": ""}}, "record.directory is ''"),
         ({"record": {"directory": "x", "file_mb": 0.9}}, "record.file_mb is 0.9"),
@@ -95,7 +96,7 @@ def test_bounds_themselves_are_allowed() -> None:
         "record": {"directory": "x", "file_mb": 1, "file_minutes": 1e-9, "free_mb": 0},
         "trials": {"learning": 0},
         "metrics": {"address": "localhost:1"},
-        "tracking": {"frame_rate_hz": 1e-9, "initial_q_rad": (0.1, 0.2)},
+        "tracking": {"frame_rate_hz": 0.1, "initial_q_rad": (0.1, 0.2)},
     }
     setup = load_setup(None, {**FLAGS, **tables})
     config = setup.config

@@ -32,13 +32,18 @@ def test_what_is_not_said_has_a_value() -> None:
     assert Config.model_validate(LEAST).record is None
 
 
+def test_a_file_may_grow_without_end() -> None:
+    record = config("record", file_mb=1e305, free_mb=1e305).record
+    assert record is not None and record.file_bytes == record.free_bytes == float("inf")
+
+
 @pytest.mark.parametrize(
     ("table", "field", "right", "wrong"),
     [
         ("device", "port", "x", ""),
         ("device", "baud", 1, 0),
         ("arm", "file", "x", ""),
-        ("tracking", "frame_rate_hz", 0.001, 0.0),
+        ("tracking", "frame_rate_hz", 0.1, 0.0),
         ("tracking", "frame_rate_hz", 1e9, float("inf")),
         ("tracking", "initial_q_rad", [0.0, -1.5], [float("nan")]),
         ("publish", "keys", "k", ""),

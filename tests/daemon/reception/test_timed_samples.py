@@ -5,7 +5,8 @@ import pytest
 
 from daemon.clock.host_clock import HostClock
 from daemon.reception.loss_attribution import LossAttribution
-from daemon.reception.timed_samples import TimedSamples
+from daemon.reception.sample_ledger import Gap
+from daemon.reception.timed_samples import KnownGap, TimedSamples
 from protocol.serial_frame import SamplesFrame, SamplesRun
 from protocol.serial_parser import FrameParser
 from tests.daemon.conftest import device_info
@@ -23,10 +24,10 @@ def frame(number: int, ticks: int | None = None) -> SamplesFrame:
 
 
 class Timed:
-    def __init__(self) -> None:
+    def __init__(self, known_gap: KnownGap | None = None) -> None:
         self.losses = LossAttribution(FrameParser().counters)
         info = device_info(RATE_HZ, ("s1x", "s1y", "s1z"))
-        self.timed = TimedSamples(info, self.losses, HostClock(lambda: HOUR_NS, lambda: 0))
+        self.timed = TimedSamples(info, self.losses, HostClock(lambda: HOUR_NS, lambda: 0), known_gap=known_gap)
 
     def enter(self, *frames: SamplesFrame, off: int | None = None) -> None:
         for one in frames:
@@ -61,6 +62,14 @@ def test_what_is_missing_by_number_is_a_gap_with_its_cause() -> None:
     one.enter(frame(7))
     one.enter(frame(9))
     assert one.gaps() == [(50, 10, "unplugged", True), (70, 10, "frames missing", True)]
+
+
+def test_a_gap_that_is_known_is_not_found_out() -> None:
+    known = {1 * FRAME: Gap(0, 64, 7, "damaged on the line", True), 4 * FRAME: Gap(84, 20, 8, "unplugged", False)}
+    one = Timed(known.get)
+    one.enter(frame(1), frame(2), frame(4))
+    assert [(run.sample0, run.lost) for run in one.timed.take()] == [(64, 64), (104, 20)]
+    assert one.timed.new_gaps() == [*known.values()]
 
 
 def test_a_run_of_frames_goes_on_where_the_last_one_ended() -> None:

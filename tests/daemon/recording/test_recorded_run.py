@@ -79,6 +79,12 @@ def test_blocks_go_on_from_file_to_file(tmp_path: Path) -> None:
     np.testing.assert_array_equal(np.concatenate([one.a for one in found])[:, 3], np.arange(200.0))
 
 
+def test_blocks_that_the_next_file_repeats_come_once(tmp_path: Path) -> None:
+    first = recorded(tmp_path / "run.mcap", [block(0), block(80), block(160)])
+    recorded(tmp_path / "run-002.mcap", [block(80), block(160), block(240)])
+    assert [one.sample0 for one in blocks_of(first)] == [0, 80, 160, 240]
+
+
 @pytest.mark.parametrize(
     ("there", "asked", "found"),
     [

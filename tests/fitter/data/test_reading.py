@@ -47,14 +47,14 @@ def test_a_trackers_motion_is_not_filtered(recording):
 
 def test_a_trial_longer_than_a_stretch_is_parted(folder):
     reading = Reading(cutoff_hz=100.0, band_hz=50.0, stretch=1400)
-    found = list(stretches_of(folder / "a.csv", 2, reading))
+    found = list(stretches_of([folder / "a.csv"], 2, reading))
     assert [s.motion.name for s in found if s.begins] == ["a/0", "a/1"]
     assert len(found) > 2
     assert sum(s.counted.stop - s.counted.start for s in found) == 3000
 
 
 def test_motions_to_evaluate_with_are_none_to_learn_from(recording, tmp_path):
-    assert len(list(stretches_of(recording, 2, Reading()))) == 2
+    assert len(list(stretches_of([recording], 2, Reading()))) == 2
     with pytest.raises(DataError, match="no such file"):
         find_corner_hz([tmp_path / "none.csv"], 2)
 
@@ -69,4 +69,4 @@ def test_the_corner_is_found_from_the_columns_nearest_to_an_acceleration(tmp_pat
     )
     assert find_corner_hz([tmp_path / "a.csv"], 1) == (50.0, None)
     assert [set(columns) for columns in seen] == [{"dq"}]
-    assert {"q", "dq"} <= {*next(iter(stretches_of(tmp_path / "a.csv", 1, Reading()))).motion.columns}
+    assert {"q", "dq"} <= {*next(iter(stretches_of([tmp_path / "a.csv"], 1, Reading()))).motion.columns}

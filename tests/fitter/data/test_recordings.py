@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fitter.data.raw import load_raw
-from fitter.data.recordings import read_frames, read_raw_blocks
+from fitter.data.recordings import by_run, read_frames, read_raw_blocks
 from fitter.data.trials import load_trials
 from limbcal.errors import DataError
 from protocol.message import FRAMES, RAW, TRIAL, encode
@@ -45,9 +45,9 @@ def phase(trial, state, frame, role):
     return {"trial": trial, "t_ns": START_NS + frame * 1_000_000, "state": state, "role": role}
 
 
-def record(path, messages):
+def record(path, messages, first_ns=0):
     with RecordingWriter(path, "schema = 1", "", clock=lambda: 0.0) as writer:
-        for number, (topic, fields) in enumerate(messages):
+        for number, (topic, fields) in enumerate(messages, first_ns):
             writer.write(topic, encode(topic, fields)[1], number)
     return path
 
@@ -69,7 +69,7 @@ def two_motions(tmp_path):
 
 
 def test_motions_are_cut_out_as_announced(two_motions):
-    first, second = read_frames(two_motions, 2)
+    first, second = read_frames([two_motions], 2)
     assert (first.name, first.role, len(first.t)) == ("day/1", "learn", 301)
     assert (second.name, second.role, len(second.t)) == ("day/2", "evaluate", 450)
     assert np.isclose(first.columns["q"][0, 0], 0.100)
@@ -78,14 +78,14 @@ def test_motions_are_cut_out_as_announced(two_motions):
 
 def test_dead_reckoning_loses_its_drift(two_motions):
     """Every joint moves at 1 rad/s until the rest at the end: all of that is drift, and is taken out."""
-    first, _ = read_frames(two_motions, 2)
+    first, _ = read_frames([two_motions], 2)
     assert np.isclose(np.diff(first.columns["q"][:-1, 0])[-1], 0.0, atol=1e-5)
     (note,) = first.notes
     assert note.text == "drift taken out by the rest at the end of each motion (q, dq, ddq, points)"
 
 
 def test_of_a_filter_only_the_points_are_dead_reckoned(tmp_path):
-    first, _ = read_frames(recorded_motions(tmp_path, "filter", slide=True), 2)
+    first, _ = read_frames([recorded_motions(tmp_path, "filter", slide=True)], 2)
     assert np.allclose(first.columns["q"][:, 0], 1e-3 * (100 + np.arange(301)))
     assert np.array_equal(first.columns["dq"], np.ones((301, 2)))
     speed = np.diff(first.columns["points"][:, 0, 0]) / DT_S
@@ -102,12 +102,46 @@ def test_trials_of_one_role_are_taken_as_they_are(tmp_path):
     assert np.array_equal(trial.dq, np.ones((450, 2)))
     assert trial.points.shape == (450, 4, 3)
     (note,) = trial.notes
-    assert note.text == "drift taken out by the rest at the end of each motion (points)"
+    assert note.text == "the recording ends before the motion does: its drift is left in it (points)"
+
+
+def test_a_motion_that_is_broken_off_was_not_at_rest_there(tmp_path):
+    _, second = read_frames([recorded_motions(tmp_path, "integrate")], 2)
+    assert np.allclose(np.diff(second.columns["q"][:, 0]) / DT_S, 1.0)
+    assert np.array_equal(second.columns["dq"], np.ones((450, 2)))
+
+
+@pytest.fixture
+def in_two_files(tmp_path):
+    """Record a motion from frame 100 to 400 in two files; the second repeats two blocks of the first."""
+    run = {"run": "a", "seq": 0}
+    blocks = [(FRAMES, frames(k) | run) for k in range(0, 500, BLOCK)]
+    samples = [(RAW, raw(k) | run) for k in range(0, 640, 64)]
+    begin, end = ((TRIAL, phase(1, *event, "learn") | run) for event in (("begin", 100), ("end", 400)))
+    first = record(tmp_path / "run.mcap", [*samples[:5], *blocks[:20], begin])
+    second = record(tmp_path / "run-002.mcap", [begin, *samples[3:], *blocks[18:], end], 18)
+    return [second, first]  # as a folder has them, by name
+
+
+def test_a_motion_goes_on_in_the_next_file(in_two_files, tmp_path):
+    other = record(tmp_path / "other.mcap", [(FRAMES, frames(0) | {"run": "b"})])
+    together, alone = by_run([*in_two_files, other])
+    assert together == tuple(reversed(in_two_files)) and alone == (other,)
+    (motion,) = read_frames(together, 2)
+    assert (motion.name, motion.first_row) == ("run/1", 100)
+    np.testing.assert_allclose(motion.t, 0.1 + DT_S * np.arange(301), atol=1e-12)
+    (trial,) = load_trials(in_two_files, 2)
+    assert len(trial.q) == 301
+
+
+def test_samples_go_on_in_the_next_file(in_two_files):
+    (run,) = load_raw(in_two_files, ("s1", "s2"), 2)
+    assert run.a[:, 0].tolist() == list(range(640)) and not run.gaps
 
 
 def test_a_recording_without_announcements_is_one_motion(tmp_path):
     path = record(tmp_path / "run.mcap", [(FRAMES, frames(k)) for k in range(0, 100, BLOCK)])
-    (motion,) = read_frames(path, 2)
+    (motion,) = read_frames([path], 2)
     assert motion.name == "run" and motion.role is None and len(motion.t) == 100
 
 
@@ -132,7 +166,7 @@ def test_a_recording_cut_short_is_read_to_the_cut(two_motions, tmp_path):
             writer.write(FRAMES, encode(FRAMES, frames(k))[1], number)
     content = cut.read_bytes()
     cut.write_bytes(content[: len(content) // 2])
-    (motion,) = read_frames(cut, 2)
+    (motion,) = read_frames([cut], 2)
     assert 100 < len(motion.t) < 2000
     assert "cut" in motion.notes[0].text
 
@@ -149,24 +183,24 @@ def test_raw_blocks_are_a_run_with_its_gaps(tmp_path):
 def test_recordings_of_something_else(tmp_path):
     path = record(tmp_path / "run.mcap", [(FRAMES, frames(0)), (RAW, raw(0))])
     with pytest.raises(DataError, match="expected 3 as the arm has"):
-        read_frames(path, 3)
+        read_frames([path], 3)
     with pytest.raises(DataError, match="expected 12"):
         load_raw([path], ("s1", "s2", "s3", "s4"), 2)
     empty = record(tmp_path / "empty.mcap", [])
     with pytest.raises(DataError, match="no limb/frames"):
-        read_frames(empty, 2)
+        read_frames([empty], 2)
     with pytest.raises(DataError, match="no limb/raw"):
         load_raw([empty], ("s1",), 2)
     odd = record(tmp_path / "odd.mcap", [(FRAMES, frames(0) | {"q": "none"})])
     with pytest.raises(DataError, match="q of a block is str"):
-        read_frames(odd, 2)
+        read_frames([odd], 2)
     timeless = record(tmp_path / "timeless.mcap", [(FRAMES, frames(0) | {"t0_ns": None})])
     with pytest.raises(DataError, match="t0_ns of a block is None"):
-        read_frames(timeless, 2)
+        read_frames([timeless], 2)
 
 
 def test_time_is_counted_from_the_first_frame(two_motions):
-    first, second = read_frames(two_motions, 2)
+    first, second = read_frames([two_motions], 2)
     np.testing.assert_allclose(first.t, 0.1 + 1e-3 * np.arange(301), atol=1e-12)
     np.testing.assert_allclose(second.t, 0.55 + 1e-3 * np.arange(450), atol=1e-12)
     assert (first.first_row, second.first_row) == (100, 550)
@@ -189,28 +223,28 @@ def announced(folder, *events, n=300):
 )
 def test_a_motion_lasts_until_anything_else_is_announced(tmp_path, events, found):
     path = announced(tmp_path, *(phase(trial, state, frame, "learn") for trial, state, frame in events))
-    assert [(one.name, one.first_row, len(one.t)) for one in read_frames(path, 2)] == found
+    assert [(one.name, one.first_row, len(one.t)) for one in read_frames([path], 2)] == found
 
 
 def test_a_role_may_be_missing(tmp_path):
     events = [{**phase(1, "begin", 50, None)}, phase(1, "end", 100, None)]
-    (motion,) = read_frames(announced(tmp_path, *events), 2)
+    (motion,) = read_frames([announced(tmp_path, *events)], 2)
     assert motion.role is None
 
 
 def test_a_claim_is_read_where_every_block_has_one(tmp_path):
     blocks = [frames(k) | {"q_std": np.full((BLOCK, 2), 0.1 + k)} for k in (0, 10, 20)]
     path = record(tmp_path / "run.mcap", [(FRAMES, block) for block in blocks])
-    (motion,) = read_frames(path, 2)
+    (motion,) = read_frames([path], 2)
     assert motion.columns["q_std"][::10, 0].tolist() == [0.1, 10.1, 20.1]
     del blocks[1]["q_std"]
-    (motion,) = read_frames(record(tmp_path / "less.mcap", [(FRAMES, block) for block in blocks]), 2)
+    (motion,) = read_frames([record(tmp_path / "less.mcap", [(FRAMES, block) for block in blocks])], 2)
     assert set(motion.columns) == {"q", "dq", "ddq", "points"}
 
 
 def test_each_block_after_lost_samples_is_counted(tmp_path):
     gaps = [(FRAMES, frames(k, gap=k in (20, 50))) for k in range(0, 100, BLOCK)]
-    (motion,) = read_frames(record(tmp_path / "run.mcap", gaps), 2)
+    (motion,) = read_frames([record(tmp_path / "run.mcap", gaps)], 2)
     assert [note.text for note in motion.notes] == ["2 block(s) of frames after lost samples"]
     assert motion.notes[0].kind == "lost"
 
@@ -227,10 +261,10 @@ def test_each_block_after_lost_samples_is_counted(tmp_path):
 def test_a_block_that_is_none_is_said(tmp_path, change, words):
     path = record(tmp_path / "run.mcap", [(FRAMES, frames(0)), (FRAMES, frames(10) | change)])
     with pytest.raises(DataError, match=words):
-        read_frames(path, 2)
+        read_frames([path], 2)
 
 
 def test_raw_samples_are_stamped_from_the_first_on(tmp_path):
-    t, a = read_raw_blocks(record(tmp_path / "run.mcap", [(RAW, raw(k)) for k in (640, 704, 832)]), 6)
+    t, a = read_raw_blocks([record(tmp_path / "run.mcap", [(RAW, raw(k)) for k in (640, 704, 832)])], 6)
     np.testing.assert_allclose(t, np.concatenate([np.arange(128), 192 + np.arange(64)]) / 32000, atol=1e-9)
     assert a[:, 0].tolist() == [*range(640, 768), *range(832, 896)]

@@ -71,7 +71,7 @@ def test_a_file_in_stretches_gives_the_sums_of_the_whole(tmp_path, long_motion, 
     write_motion(path, without(long_motion, *left_out))
     whole, trial = whole_sums(arm, path, rate_hz=rate_hz, cutoff_hz=30.0)
     reading = Reading(rate_hz=rate_hz, cutoff_hz=trial.cutoff_hz, band_hz=trial.band_hz, stretch=5000)
-    parted = reduce_file(arm, REST, reading, path)
+    parted = reduce_file(arm, REST, reading, [path])
     assert parted.sums.samples == whole.samples
     assert parted.trials == ("long",)
     for name in SUMS:
@@ -93,7 +93,7 @@ def test_a_longer_file_takes_no_more_memory(tmp_path, monkeypatch):
         )
         tracemalloc.start()
         reading = Reading(cutoff_hz=30.0, band_hz=13.0, stretch=10_000)
-        reduced = reduce_file(MEASURED, REST, reading, tmp_path / "long.npz")
+        reduced = reduce_file(MEASURED, REST, reading, [tmp_path / "long.npz"])
         peaks.append(tracemalloc.get_traced_memory()[1])
         tracemalloc.stop()
         assert reduced.sums.samples == len(stamps)
@@ -108,7 +108,7 @@ def test_jitter_and_holes_in_a_long_file(tmp_path, long_motion):
     write_motion(path, without(long_motion, "dq", "ddq") | {"t": t})
     whole, trial = whole_sums(MEASURED, path, cutoff_hz=30.0)
     reading = Reading(cutoff_hz=30.0, band_hz=trial.band_hz, stretch=5000)
-    parted = reduce_file(MEASURED, REST, reading, path)
+    parted = reduce_file(MEASURED, REST, reading, [path])
     assert len(parted.trials) == 2
     assert parted.sums.samples == pytest.approx(whole.samples, abs=2)
     found, expected = parted.sums.total(), whole.total()
@@ -197,7 +197,7 @@ def test_a_long_motion_to_an_unknown_target_is_no_motion(tmp_path, long_motion):
     write_motion(tmp_path / "long.npz", without(long_motion, "dq", "ddq", "ref"))
     reading = Reading(cutoff_hz=30.0, band_hz=12.0, stretch=5000)
     with pytest.raises(DataError, match="has no target; expected columns ref1"):
-        reduce_file(LAW, REST, reading, tmp_path / "long.npz")
+        reduce_file(LAW, REST, reading, [tmp_path / "long.npz"])
 
 
 def test_evaluating_motions_of_a_recording_are_left_out(recording):
