@@ -96,7 +96,7 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     band_hz = min(fit_corner_hz(learnt_from, base.links.ravel()), *(trial.band_hz for trial in learn))
     fit = learn_from_ground(arm, base, learnt_from, regression=arguments.prior is not None, band_hz=band_hz)
     scores = {
-        role: ground_score(arm, base, some, fit.before, fit.values, band_hz) if some else None
+        role: ground_score(arm, base, some, fit.before, fit.values, fit.plates, band_hz) if some else None
         for role, some in (("learn", learnt_from), ("evaluate", judged))
     }
     worse = worse_than_nothing(base, scores)

@@ -31,14 +31,18 @@ def say_ground(
     )
     for role, score in scores.items():
         if score is not None:
-            said = score.document()["squared_reduction"]
-            assert isinstance(said, dict)
+            said, with_plates = (score.squared_reduction(of) for of in (1, 2))
             show(
                 f"{_ROLES[role]} trials: the ground's force is off by {score.force_rms_N[1]:.1f} N rms "
                 f"({score.force_rms_N[0]:.1f} as it was, squared {-100.0 * said['force']:+.0f} %), its moment "
                 f"about the base link by {score.moment_rms_N_m[1]:.1f} N m ({score.moment_rms_N_m[0]:.1f}, "
-                f"squared {-100.0 * said['moment']:+.0f} %)"
+                f"squared {-100.0 * said['moment']:+.0f} %); with what the plates are off by "
+                f"{score.force_rms_N[2]:.1f} N ({-100.0 * with_plates['force']:+.0f} %) and "
+                f"{score.moment_rms_N_m[2]:.1f} N m ({-100.0 * with_plates['moment']:+.0f} %)"
             )
+    zero, zero_std = fit.plates.value[3:], fit.plates.std[3:]
+    off = ", ".join(" ± ".join(with_half_width(x, NORMAL_95 * s)) for x, s in zip(zero, zero_std, strict=True))
+    say(f"beside these bodies the plates read {off} N along x, y and z of frame 0 too much")
     if prior:
         left = left_at_prior(fit)
         say(

@@ -52,6 +52,13 @@ class FrequencyRows:
                 begins = float(self.hz[k])
         return band
 
+    def mean_by_band(self, squares: Floats) -> Floats:
+        """Return the mean of numbers of coefficients, (n_coefficient, 6), over each band, (n_band, 6)."""
+        band = self.bands()
+        total = np.zeros((int(band.max()) + 1, N_ROW))
+        np.add.at(total, band, squares)
+        return np.asarray(total / np.bincount(band)[:, None])
+
 
 def frequency_rows(
     Y: Sequence[Floats], w: Sequence[Floats], dt_s: Sequence[float], band_hz: float

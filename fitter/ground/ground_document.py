@@ -52,6 +52,7 @@ def document(
         "explained": {role: s and _of_joints(fit, s.explained) for role, s in scores.items()},
         "ci95": {name: parameter.ci95 for name, parameter in fit.parameters.items()},
         "ground_residual": {role: s and s.document() for role, s in scores.items()},
+        "plates": fit.plates.document(),
         "band_hz": fit.band_hz,
         "total_mass_kg": {"value": total, "std": std},
         "segments": segment_rows(fit, names),

@@ -16,6 +16,7 @@ from fitter.ground.frequency_rows import FrequencyRows, frequency_rows
 from fitter.ground.ground_fit import Posterior, ground_fit
 from fitter.ground.ground_trial import GroundTrial
 from fitter.ground.mass_prior import table_prior, vague_prior
+from fitter.ground.plate_calibration import PlateCalibration, plate_calibration
 from fitter.search.fitted_parameter import FittedParameter
 
 #: A parameter is learnt if its posterior standard deviation is at most half of the prior's, and left at the prior
@@ -59,6 +60,7 @@ class GroundFit:
     covariance, prior_covariance : (10 n_body, 10 n_body)
         Of the standard parameters, both about the most likely bodies.
     posterior : Posterior
+    plates : PlateCalibration
     combinations : tuple of Combination
         Learnt ones, the best known first.
     band_hz : float
@@ -75,6 +77,7 @@ class GroundFit:
     covariance: Floats
     prior_covariance: Floats
     posterior: Posterior
+    plates: PlateCalibration
     combinations: tuple[Combination, ...]
     band_hz: float
     samples: int
@@ -149,6 +152,7 @@ def learn_from_ground(
         covariance,
         before,
         posterior,
+        plate_calibration(rows, std, posterior, values, covariance),
         known,
         band_hz,
         sum(len(trial.t) for trial in trials),

@@ -71,7 +71,6 @@ def ground_fit(
     """
     n = deformation.size
     band = rows.bands()
-    n_band = int(band.max()) + 1
     root = np.linalg.cholesky(prior.covariance + 1e-12 * np.diag(np.diag(prior.covariance)))
     Y, D = rows.Y[..., :n], rows.Y[..., n:] * disturbance_std
     z = np.zeros(n)  # in prior standard deviations
@@ -81,9 +80,7 @@ def ground_fit(
         return np.asarray(rows.w - Y @ deformation.parameters(prior.mean + root @ z))
 
     def by_band(squares: Floats) -> Floats:
-        total = np.zeros((n_band, N_ROW))
-        np.add.at(total, band, squares)
-        return np.asarray(total / np.bincount(band)[:, None] + floor)
+        return np.asarray(rows.mean_by_band(squares) + floor)
 
     carried = by_band(np.sum(D**2, axis=2))
     power = by_band(left(z) ** 2)

@@ -9,6 +9,7 @@ from rich.console import Console
 
 from fitter.commands.ground_said import say_ground
 from fitter.ground.ground_score import GroundScore
+from fitter.ground.plate_calibration import PlateCalibration
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal import command
 
@@ -42,6 +43,7 @@ def fit(learnt: float) -> SimpleNamespace:
         prior_covariance=np.diag(prior),
         learnt=np.full(10, learnt),
         parameters={name: FittedParameter(1.0, 0.1, "kg", False) for name in NAMES},
+        plates=PlateCalibration(np.array([0.0, 0.0, 0.0, 2.5, -1.0, 0.0]), np.full(6, 0.5)),
         combinations=[SimpleNamespace(terms={"m1": 1.0, "mx1": -1.0, "my1": 0.1})],
     )
 
@@ -77,11 +79,13 @@ def test_what_the_ground_hardly_tells_is_counted(capsys: pytest.CaptureFixture[s
 
 
 def test_scores_are_said_of_the_trials_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
-    score = GroundScore((40.0, 20.0), (8.0, 16.0), np.zeros(6), np.zeros(6))
+    score = GroundScore((40.0, 20.0, 10.0), (8.0, 16.0, 8.0), np.zeros(6), np.zeros(6))
     say_ground(fit(0.5), {"learn": None, "evaluate": score}, ["pelvis", "thigh"], prior=False)
     text = said(capsys)
     assert (
         "evaluating trials: the ground's force is off by 20.0 N rms (40.0 as it was, squared -75 %), its moment "
-        "about the base link by 16.0 N m (8.0, squared +300 %)" in text
+        "about the base link by 16.0 N m (8.0, squared +300 %); with what the plates are off by 10.0 N "
+        "(-94 %) and 8.0 N m (-0 %)" in text
     )
+    assert "the plates read 2.50 ± 0.98, -1.00 ± 0.98, 0.00 ± 0.98 N along x, y and z of frame 0 too much" in text
     assert "learning trials" not in text

@@ -55,7 +55,7 @@ def test_segments_have_mass_centre_and_inertia_about_it(learnt):
 
 def test_the_document_is_json_and_tells_roles_apart(learnt):
     trial, fit = learnt
-    score = ground_score(fit.arm, BASE, [trial], fit.before, fit.values, 2.0)
+    score = ground_score(fit.arm, BASE, [trial], fit.before, fit.values, fit.plates, 2.0)
     found = document(fit, {"learn": score, "evaluate": None}, [trial], NAMES, prior=True)
     assert found["ground_residual"]["evaluate"] is None and found["explained"]["evaluate"] is None
     explained = np.array(found["explained"]["learn"])
@@ -65,7 +65,13 @@ def test_the_document_is_json_and_tells_roles_apart(learnt):
     assert total["value"] == pytest.approx(fit.values[9::10].sum()) and total["std"] > 0.0
     assert found["clock_shift_s"] == {"moves": 0.0} and found["contacts"] == []
     assert all(one["learnt"] == share for one, share in zip(found["parameters"].values(), fit.learnt, strict=True))
-    assert set(json.loads(json.dumps(found))) >= {"segments", "combinations", "left_at_prior", "known_together"}
+    assert set(json.loads(json.dumps(found))) >= {
+        "segments",
+        "plates",
+        "combinations",
+        "left_at_prior",
+        "known_together",
+    }
     bare = document(fit, {"learn": score, "evaluate": score}, [trial], NAMES, prior=False)
     assert "left_at_prior" not in bare and "learnt" not in next(iter(bare["parameters"].values()))
 

@@ -20,7 +20,7 @@ def learnt(seed, seconds=8.0, angle_rad=0.02):
         noise = rng.normal(0.0, [1.0] * 3 + [0.3] * 3, (len(q), 6))
         trials.append(trial_of(person, BASE, q, q * gain, theta, noise))
     fit = learn_from_ground(person, BASE, trials[:1], regression=True, band_hz=2.0)
-    return theta, fit, ground_score(person, BASE, trials[1:], fit.before, fit.values, 2.0)
+    return theta, fit, ground_score(person, BASE, trials[1:], fit.before, fit.values, fit.plates, 2.0)
 
 
 def test_people_off_their_tables_are_learnt_with_errors_that_hold():
