@@ -122,7 +122,13 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
         return dynamics_from_sums(arguments, arm)
     if arguments.unknown_gains:
-        unheeded = {"bounds": None, "physical": False, "objective": "auto", "compare": [], "payload": None}
+        unheeded: dict[str, object] = {
+            "bounds": None,
+            "physical": False,
+            "objective": "auto",
+            "compare": [],
+            "payload": None,
+        }
         require_heeded(arguments, "--unknown-gains", unheeded)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)

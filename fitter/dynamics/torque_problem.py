@@ -88,8 +88,8 @@ class TorqueProblem:
         spread = np.sqrt(np.diag(self.inverse))  # the unit of each gene, which may be of any size
         limits, sides = np.concatenate([-lower / spread, upper / spread]), np.eye(len(spread))
         genes, binds = constrained_step(self.W * spread, self.z, limits, np.vstack([sides, -sides]))
-        stopped = binds.reshape(2, -1)
-        return np.where(stopped[0], lower, np.where(stopped[1], upper, genes * spread)), stopped.any(axis=0)
+        at_lower, at_upper = binds.reshape(2, -1)
+        return np.where(at_lower, lower, np.where(at_upper, upper, genes * spread)), at_lower | at_upper
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Return bounds that know nothing of the answer but how large the torque is.
