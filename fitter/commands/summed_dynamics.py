@@ -13,7 +13,7 @@ from fitter.commands.sums import reduced
 from fitter.commands.trial_sets import notes_of, require_apart, with_notes
 from fitter.data.recordings import read_frames
 from fitter.data.standstill import REST_SPEED
-from fitter.data.trial import Trial
+from fitter.data.trial import Role, Trial
 from fitter.data.trials import load_trials, to_trials
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import document
@@ -111,7 +111,8 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note,
         return saved, (), (arguments.cutoff_hz, None)
     if any(held):
         raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
-    reduction = reduced(arguments, arm, arguments.learn)
+    omitted: Role | None = None if arguments.evaluate else "evaluate"  # as in `fitter.commands.trial_sets`
+    reduction = reduced(arguments, arm, arguments.learn, omitted)
     say_notes(reduction.notes)
     return reduction.saved, reduction.notes, (reduction.cutoff_hz, reduction.band_hz)
 
