@@ -89,7 +89,7 @@ def _uniform(motions: Sequence[Measured], rate_hz: float | None) -> list[Uniform
 
 
 def stretches_of(path: Path, n_joint: int, reading: Reading, only_nearest: bool = False) -> Iterator[Stretch]:
-    """Read a file's trials but the omitted; only their columns nearest to an acceleration, if no more is wanted."""
+    """Read a file's trials but those omitted; if no more is wanted, only columns nearest to an acceleration."""
     if path.suffix.lower() in RECORDINGS:
         for motion in read_frames(path, n_joint):
             if reading.omitted is None or motion.role != reading.omitted:
