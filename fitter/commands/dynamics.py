@@ -25,6 +25,7 @@ from fitter.commands.options import (
     fixed_of,
     make_room,
     positive,
+    require_heeded,
 )
 from fitter.commands.payload_option import add_payload, unloaded
 from fitter.commands.summed_dynamics import dynamics_from_sums
@@ -120,13 +121,19 @@ def dynamics(arguments: argparse.Namespace) -> Document:
         return ground_dynamics(arguments, arm, _trials)
     if arguments.workers > 1 or arguments.dask or any(is_sums(path) for path in arguments.learn):
         return dynamics_from_sums(arguments, arm)
+    if arguments.unknown_gains:
+        unheeded: dict[str, object] = {
+            "bounds": None,
+            "physical": False,
+            "objective": "auto",
+            "compare": [],
+            "payload": None,
+        }
+        require_heeded(arguments, "--unknown-gains", unheeded)
     compared = load_compared(arguments.compare, arm)
     learn, evaluate = _trials(arguments, arm)
-    if arguments.payload is not None and (arguments.unknown_gains or arguments.no_torque):
-        raise ConfigError(
-            "--payload is a load on measured torque; expected it without --no-torque, --unknown-gains"
-        )
     if arguments.no_torque:
+        require_heeded(arguments, "--no-torque", {"payload": None})
         arm = replace(arm, control=Control())
         learn, evaluate = ([undriven(trial) for trial in trials] for trials in (learn, evaluate))
     notes, load = notes_of((*learn, *evaluate)), dict[str, object]()

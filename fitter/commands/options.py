@@ -3,7 +3,7 @@
 import argparse
 import math
 import os
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -134,6 +134,27 @@ def add_search(parser: argparse.ArgumentParser, population: str, generations: in
     parser.add_argument(
         "--generations", type=at_least(1), default=generations, metavar="N", help=f"({generations})"
     )
+
+
+def require_heeded(arguments: argparse.Namespace, way: str, unheeded: Mapping[str, object]) -> None:
+    """Make sure that no option is given that a way of learning does not heed.
+
+    Parameters
+    ----------
+    arguments : argparse.Namespace
+    way : str
+        The option that chose it.
+    unheeded : mapping of str to object
+        Options that it does not heed, by their names in the arguments, and what they are unless given.
+
+    Raises
+    ------
+    ConfigError
+        If one is, naming all that are.
+    """
+    given = [f"--{name.replace('_', '-')}" for name, unless in unheeded.items() if vars(arguments)[name] != unless]
+    if given:
+        raise ConfigError(f"{', '.join(given)}: not heeded with {way}; expected one or the other")
 
 
 def joint_values(text: str, arm: Arm, option: str) -> Floats:

@@ -1,17 +1,20 @@
 """`fitter dynamics` from sums, saved ones or those of many files: the motion itself is never held."""
 
 import argparse
+from typing import TypeAlias
 
 import numpy as np
 
 from arm.model import Arm
 from arm.structural_parameters import structural_parameters
-from fitter.commands.dynamics_said import say_fit
+from fitter.commands.dynamics_said import say_compared, say_fit
 from fitter.commands.options import bounds_of, fixed_of
 from fitter.commands.sums import reduced
-from fitter.commands.trial_sets import notes_of, with_notes
+from fitter.commands.trial_sets import notes_of, require_apart, with_notes
+from fitter.data.recordings import by_run, read_frames
 from fitter.data.standstill import REST_SPEED
-from fitter.data.trials import load_trials
+from fitter.data.trial import Role, Trial
+from fitter.data.trials import load_trials, to_trials
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.errors_of_motions import known_by_motions
@@ -22,10 +25,14 @@ from fitter.dynamics.torque_search import fit_sums
 from fitter.dynamics.usability import next_to_nothing
 from fitter.dynamics.written import determined_by_data, save_calibrated
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, equation_of, is_sums, load_sums
+from fitter.report.compared import load_compared
 from limbcal.command import Document, say_notes
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
 from protocol.tables.files import RECORDINGS, expand
+
+#: Corners of the filter of derived columns and of the fit's own [Hz].
+Filters: TypeAlias = tuple[float | None, float | None]
 
 
 def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
@@ -55,16 +62,10 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
             f"arm {arm.name!r} has [[effect]] or air drag, whose torque is in the sums; expected motions to learn "
             "from, or an arm without them"
         )
-    (saved, notes), evaluate = _sums(arguments, arm), []
-    if arguments.evaluate:
-        evaluate = load_trials(
-            arguments.evaluate,
-            arm.n_joint,
-            arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=arguments.cutoff_hz,
-            arm=arm,
-        )
+    require_apart(arguments.learn, arguments.evaluate)
+    compared = load_compared(arguments.compare, arm)
+    saved, notes, filters = _sums(arguments, arm)
+    evaluate = _evaluating(arguments, arm, filters)
     base = structural_parameters(arm)
     fit = fit_sums(
         arm,
@@ -83,7 +84,7 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     evaluated = score(fit.arm, evaluate, arguments.horizon) if evaluate else None
     save_calibrated(fit.arm, base, determined_by_data(fit), arguments.out)
     revealed = report(arm, base, fit.problem)
-    say_fit(fit, [], None, evaluated, revealed)
+    say_fit(fit, compared, None, evaluated, revealed)
     answer = document(fit, None, evaluated) | {"identifiability": revealed.document()}
     values = np.array([fit.parameters[name].value for name in base.names])
     rms = answer["torque_rms_N_m"]
@@ -92,20 +93,44 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     explained = answer["explained"]
     assert isinstance(explained, dict)
     explained["learn"] = saved.sums.explained(values).tolist()
+    if compared:
+        answer["compared"] = {c.name: c.document([], evaluate, arguments.horizon) for c in compared}
+        say_compared(answer["compared"])
     answer = with_notes(answer, (*notes, *notes_of(evaluate)))
     if reasons := next_to_nothing(explained, arm):
         raise Unusable(reasons, answer)
     return answer
 
 
-def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...]]:
+def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note, ...], Filters]:
+    """Return the sums, what was done to get there, and the corners of both filters, None where sums do not say."""
     held = [is_sums(path) for path in arguments.learn]
     if all(held):
         saved = add_sums([load_sums(path) for path in arguments.learn], [str(path) for path in arguments.learn])
         saved.require(equation_of(arm, REST_SPEED), str(arguments.learn[0]))
-        return saved, ()
+        return saved, (), (arguments.cutoff_hz, None)
     if any(held):
         raise ConfigError(f"{arguments.learn[held.index(True)]}: sums among motions, expected one or the other")
-    reduction = reduced(arguments, arm, arguments.learn)
+    omitted: Role | None = None if arguments.evaluate else "evaluate"  # as in `fitter.commands.trial_sets`
+    reduction = reduced(arguments, arm, arguments.learn, omitted)
     say_notes(reduction.notes)
-    return reduction.saved, reduction.notes
+    return reduction.saved, reduction.notes, (reduction.cutoff_hz, reduction.band_hz)
+
+
+def _evaluating(arguments: argparse.Namespace, arm: Arm, filters: Filters) -> list[Trial]:
+    """Return the trials of ``--evaluate``, or else those that recordings hold back themselves."""
+    cutoff_hz, band_hz = filters
+    if arguments.evaluate:
+        return load_trials(
+            arguments.evaluate,
+            arm.n_joint,
+            arguments.columns,
+            rate_hz=arguments.rate_hz,
+            cutoff_hz=cutoff_hz,
+            band_hz=band_hz,
+            arm=arm,
+        )
+    recordings = [path for path in expand(arguments.learn) if path.suffix.lower() in RECORDINGS]
+    motions = [motion for run in by_run(recordings) for motion in read_frames(run, arm.n_joint)]
+    held_back = [motion for motion in motions if motion.role == "evaluate"]
+    return to_trials(held_back, arguments.rate_hz, cutoff_hz, band_hz) if held_back else []

@@ -9,6 +9,7 @@ from rich.progress import Progress
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
 from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
+from fitter.data.trial import Role
 from fitter.regression_sums.reduction import Reduction, reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, load_sums, save_sums
 from limbcal.arguments import Parser
@@ -41,7 +42,9 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
             )
 
 
-def reduced(arguments: argparse.Namespace, arm: Arm, data: Sequence[Path]) -> Reduction:
+def reduced(
+    arguments: argparse.Namespace, arm: Arm, data: Sequence[Path], omitted: Role | None = "evaluate"
+) -> Reduction:
     """Reduce trials to sums, with a progress bar.
 
     Parameters
@@ -50,6 +53,8 @@ def reduced(arguments: argparse.Namespace, arm: Arm, data: Sequence[Path]) -> Re
         With the columns, filter and processes that are asked for.
     arm : Arm
     data : sequence of Path
+    omitted
+        As in `fitter.regression_sums.reduction.reduce_trials`.
     """
     with Progress(console=console, transient=True) as progress:
         task = progress.add_task("reducing", total=None)
@@ -59,6 +64,7 @@ def reduced(arguments: argparse.Namespace, arm: Arm, data: Sequence[Path]) -> Re
             columns=arguments.columns,
             rate_hz=arguments.rate_hz,
             cutoff_hz=arguments.cutoff_hz,
+            omitted=omitted,
             workers=arguments.workers,
             dask=arguments.dask,
             progress=lambda done, files: progress.update(task, completed=done, total=files),

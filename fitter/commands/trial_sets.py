@@ -33,7 +33,7 @@ def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> t
     ConfigError
         If a file is in both sets.
     """
-    _require_apart(learn, evaluate)
+    require_apart(learn, evaluate)
     trials = load(learn, None, None)
     held_back = [trial for trial in trials if trial.role == "evaluate"]
     if evaluate:
@@ -68,7 +68,14 @@ def _filters(trials: Sequence[Trial]) -> tuple[float, float]:
     return trials[0].cutoff_hz, trials[0].band_hz
 
 
-def _require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:
+def require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:
+    """Make sure that no file is both learnt from and evaluated on.
+
+    Raises
+    ------
+    ConfigError
+        If one is, or there is no such file.
+    """
     if evaluate:
         held_back = {path.resolve() for path in expand(evaluate)}
         both = [str(path) for path in expand(learn) if path.resolve() in held_back]

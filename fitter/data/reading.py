@@ -12,6 +12,7 @@ from fitter.data.motions import Measured
 from fitter.data.recordings import by_run, read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.stretches import Stretch, stretches
+from fitter.data.trial import Role
 from fitter.data.trial_filter import choose_cutoff_hz
 from fitter.data.windows import SPLINE_SAMPLES, forgetting_samples
 from limbcal.errors import DataError
@@ -42,6 +43,8 @@ class Reading:
         Corners of the filter of derived columns and of the fit's, see `fitter.data.trials.load_trials`.
     stretch : int
         Joint values of a longer motion are reduced stretch by stretch.
+    omitted : {"learn", "evaluate"}, optional
+        Motions of recordings with this role are passed over.
     """
 
     columns: str | None = None
@@ -49,6 +52,7 @@ class Reading:
     cutoff_hz: float = np.inf
     band_hz: float = np.inf
     stretch: int = STRETCH_VALUES
+    omitted: Role | None = "evaluate"
 
 
 def find_corner_hz(
@@ -88,14 +92,14 @@ def _uniform(motions: Sequence[Measured], rate_hz: float | None) -> list[Uniform
 def stretches_of(
     files: Sequence[Path], n_joint: int, reading: Reading, only_nearest: bool = False
 ) -> Iterator[Stretch]:
-    """Read the learning trials of a file, or of the recordings of one run.
+    """Read the trials of a file, or of the recordings of one run, but those omitted.
 
     Of each only the columns nearest to an acceleration are read, if no more is wanted.
     """
     path = files[0]
     if path.suffix.lower() in RECORDINGS:
         for motion in read_frames(files, n_joint):
-            if motion.role != "evaluate":
+            if reading.omitted is None or motion.role != reading.omitted:
                 yield Stretch(motion, slice(0, len(motion.t)), True, True)
         return
     blocks = read_blocks(path, n_joint, parse_mapping(reading.columns, n_joint), reading.rate_hz, BLOCK_ROWS)

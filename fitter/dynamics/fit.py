@@ -148,7 +148,7 @@ def fit_dynamics(
     if objective == "motion":
         fit = polished_by_motion(fit, learn, window_s, polishing)
     else:
-        fit = replace(fit, objective=objective, notes=notes)
+        fit = replace(fit, objective=objective, notes=(*notes, *fit.notes))
     if notes == (DISAGREE,) and objective == "torque":
         fit = with_filter_shift(fit, arm, learn, fixed or {}, rest_speed)
     if objective not in ("likelihood", "motion"):

@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.data.standstill import REST_SPEED
 from fitter.regression_sums.torque_sums import TorqueSums
+from fitter.search.constrained_step import constrained_step
 from fitter.search.standard_errors import sandwich_covariance
 from fitter.search.whitened import whiten
 from limbcal.errors import NotIdentifiable
@@ -71,6 +72,24 @@ class TorqueProblem:
     def optimum(self) -> Floats:
         """Return the free parameters by least squares, (n_free,)."""
         return np.asarray(np.linalg.solve(self.W, self.z), dtype=np.float64)
+
+    def optimum_within(self, lower: Floats, upper: Floats) -> tuple[Floats, NDArray[np.bool_]]:
+        """Return the free parameters by least squares within bounds, and which of them a bound stops.
+
+        Parameters
+        ----------
+        lower, upper : (n_free,)
+
+        Returns
+        -------
+        genes : (n_free,)
+        stopped : (n_free,) bool
+        """
+        spread = np.sqrt(np.diag(self.inverse))  # the unit of each gene, which may be of any size
+        limits, sides = np.concatenate([-lower / spread, upper / spread]), np.eye(len(spread))
+        genes, binds = constrained_step(self.W * spread, self.z, limits, np.vstack([sides, -sides]))
+        at_lower, at_upper = binds.reshape(2, -1)
+        return np.where(at_lower, lower, np.where(at_upper, upper, genes * spread)), at_lower | at_upper
 
     def bounds(self) -> tuple[Floats, Floats]:
         """Return bounds that know nothing of the answer but how large the torque is.

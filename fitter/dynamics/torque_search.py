@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import astuple, replace
 
 import numpy as np
+from numpy.typing import NDArray
 
 from arm.base_parameters import BaseParameters, with_base_values
 from arm.model import Arm, Estimate, Floats
@@ -14,6 +15,7 @@ from fitter.regression_sums.torque_sums import TorqueSums
 from fitter.search.fitted_parameter import FittedParameter, fitted_parameters, held_back
 from fitter.search.genetic import INDIVIDUALS_PER_GENE, POPULATION, GeneticAlgorithm
 from limbcal.errors import ConfigError, NotConverged
+from limbcal.note import Note
 from limbcal.suggestion import did_you_mean
 
 #: Called after every generation: how many are done, and the best cost.
@@ -41,14 +43,20 @@ def fit_sums(
     _check_names(base, bounds or {}, fixed or {})
     index = {name: k for k, name in enumerate(base.names)}
     prior = base.combination @ standard_parameters(arm)
-    problem = torque_problem(sums, prior, {index[name]: value for name, value in (fixed or {}).items()})
+    held = {index[name]: value for name, value in (fixed or {}).items()}
+    problem = torque_problem(sums, prior, held)
     size = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(problem.free))
-    optimum = genes = problem.optimum()
+    lower, upper = _bounds(base, problem, bounds or {})
+    genes, stopped = problem.optimum_within(lower, upper)
     if method == "ga":
-        lower, upper = _bounds(base, problem, bounds or {})
-        genes = _search(problem, lower, upper, np.random.default_rng(seed), size, generations, progress)
-        if np.all((lower <= optimum) & (optimum <= upper)):
-            genes = optimum  # the local polish: on the sums one Newton step ends it
+        best = _search(problem, lower, upper, np.random.default_rng(seed), size, generations, progress)
+        _require_found(problem, best, genes, generations, size)  # the local polish: on the sums one step ends it
+    notes: list[Note] = []
+    while stopped.any():  # it is held at its bound: the others' errors are those of what is left
+        notes += _stopped(base, problem, genes, stopped)
+        held |= zip(problem.free[stopped].tolist(), genes[stopped].tolist(), strict=True)
+        problem = torque_problem(sums, prior, held)
+        genes, stopped = problem.optimum_within(*_bounds(base, problem, bounds or {}))
     return assembled(
         DynamicsFit(
             arm=arm,
@@ -64,6 +72,7 @@ def fit_sums(
             base=base,
             problem=problem,
             covariance=problem.covariance(problem.complete(genes)),
+            notes=tuple(notes),
         ),
         genes,
     )
@@ -111,6 +120,20 @@ def _bounds(
     return lower, upper
 
 
+def _stopped(
+    base: BaseParameters, problem: TorqueProblem, genes: Floats, stopped: NDArray[np.bool_]
+) -> list[Note]:
+    """Return a note for each parameter that a bound stops, with what it would be without bounds."""
+    without = problem.optimum()
+    said = (
+        "{} stops at its bound, {:.4g}: without bounds it would be {:.4g}; expected wider --bounds, or other data"
+    )
+    return [
+        Note("bound", said.format(base.names[problem.free[k]], genes[k], without[k]))
+        for k in np.flatnonzero(stopped)
+    ]
+
+
 def _search(
     problem: TorqueProblem,
     lower: Floats,
@@ -125,15 +148,20 @@ def _search(
         algorithm.tell(problem.cost(algorithm.ask()))
         if progress is not None:
             progress(algorithm.generation, algorithm.best_cost)
-    optimum = problem.optimum()
-    excess = algorithm.best_cost - float(problem.cost(optimum[None])[0])
+    return algorithm.best
+
+
+def _require_found(
+    problem: TorqueProblem, best: Floats, optimum: Floats, generations: int, population: int
+) -> None:
+    cost = float(problem.cost(best[None])[0])
+    excess = cost - float(problem.cost(optimum[None])[0])
     allowed = _NOT_CONVERGED * problem.rest + 1e-9 * float(problem.z @ problem.z)
-    if np.all((lower <= optimum) & (optimum <= upper)) and not excess <= allowed:
+    if not excess <= allowed:
         raise NotConverged(
-            f"after {generations} generations of {population} the cost {algorithm.best_cost:.6g} is still "
+            f"after {generations} generations of {population} the cost {cost:.6g} is still "
             f"{excess:.3g} above the optimum; expected no more than {allowed:.3g}, so give it more generations"
         )
-    return algorithm.best
 
 
 def _static_friction(arm: Arm) -> dict[str, FittedParameter]:

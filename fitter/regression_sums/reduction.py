@@ -17,6 +17,7 @@ from fitter.data.resample import Uniform
 from fitter.data.standstill import REST_SPEED
 from fitter.data.stretches import Stretch
 from fitter.data.torque_target import has_unknown_target
+from fitter.data.trial import Role
 from fitter.data.trial_filter import FIT_CORNER
 from fitter.data.trials import to_trials
 from fitter.parallel.spawned import in_order
@@ -74,6 +75,7 @@ def reduce_trials(
     columns: str | None = None,
     rate_hz: float | None = None,
     cutoff_hz: float | None = None,
+    omitted: Role | None = "evaluate",
     rest_speed: float = REST_SPEED,
     workers: int = 1,
     dask: str | None = None,
@@ -90,9 +92,11 @@ def reduce_trials(
     arm : Arm
         Its geometry, gravity and control law.
     sources : sequence of Path
-        Files and folders. Trials that a recording marks as evaluating are omitted.
+        Files and folders.
     columns, rate_hz, cutoff_hz
         As in `fitter.data.trials.load_trials`.
+    omitted : {"learn", "evaluate"}, optional
+        Trials that a recording marks so are omitted; None where trials of other files are held back.
     rest_speed : float [rad/s or m/s]
     workers, dask
         As in `fitter.parallel.spawned.in_order`.
@@ -114,7 +118,7 @@ def reduce_trials(
         if samples is not None:
             said = f"the corner of {cutoff_hz:.4g} Hz was found in the first {samples} samples"
             notes.append(Note("filtered", said))
-    reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz)
+    reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz, omitted=omitted)
     parts: list[TorqueSums] = []
     trials: list[str] = []
     work, runs = partial(reduce_file, arm, rest_speed, reading), by_run(files)

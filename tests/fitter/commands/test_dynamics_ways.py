@@ -31,6 +31,15 @@ def test_gains_are_learnt_up_to_one_factor(fitter, trial_files, tmp_path):
     assert min(outcome.document["explained"]["learn"]) > 0.9
 
 
+def test_options_that_no_gains_are_learnt_by_are_refused(fitter, trial_files, tmp_path):
+    """All of them in one sentence: who asks for possible masses must not get others."""
+    common = ("dynamics", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "arm.toml")
+    outcome = fitter(*common, "--unknown-gains", "--physical", "--bounds", "I2=0:1", "--compare", "dd-arm")
+    assert outcome.code == 2 and "--bounds, --physical, --compare: not heeded with --unknown-gains" in outcome.said
+    outcome = fitter(*common, "--no-torque", "--payload", "0.5:1")
+    assert outcome.code == 2 and "--payload: not heeded with --no-torque" in outcome.said
+
+
 @pytest.mark.parametrize(("given", "inertia"), [((), 0.471209), (("--fix", "I2=2"), 2.0)])
 def test_a_swing_without_torque_has_one_number_for_its_scale(fitter, tmp_path, trial_files, given, inertia):
     common = ("dynamics", trial_files[0], "--arm", "dd-arm", "--out", tmp_path / "arm.toml", "--no-torque")

@@ -59,3 +59,21 @@ def test_sums_hold_the_torque_of_effects_and_are_refused(fitter, trial_files, tm
         *("dynamics", tmp_path / "sums.npz", "--arm", tmp_path / "sprung.toml", "--out", tmp_path / "arm.toml")
     )
     assert outcome.code == 2 and "whose torque is in the sums" in outcome.said
+
+
+def test_processes_judge_by_the_same_trials_and_arms(fitter, trial_files, recording, tmp_path):
+    common = ("--arm", "dd-arm", "--objective", "torque", "--method", "least-squares", "--compare", "dd-arm")
+    held_back = ("--evaluate", trial_files[1])
+    for data in ((recording,), (recording, *held_back), (trial_files[0], *held_back)):
+        run = ("dynamics", *data, *common, "--out", tmp_path / "arm.toml")
+        one, two = fitter(*run).document, fitter(*run, "--workers", "2").document
+        assert values(two) == pytest.approx(values(one), rel=1e-6) and two["samples"] == one["samples"]
+        for of_one, of_two in ((one, two), (one["compared"]["dd-arm"], two["compared"]["dd-arm"])):
+            for name in ("torque_rms_N_m", "explained"):
+                assert of_two[name]["evaluate"] == pytest.approx(of_one[name]["evaluate"], rel=1e-6)
+
+
+def test_processes_learn_from_no_file_they_judge_by(fitter, trial_files, tmp_path):
+    common = ("--arm", "dd-arm", "--workers", "2", "--out", tmp_path / "arm.toml")
+    outcome = fitter("dynamics", trial_files[0], "--evaluate", trial_files[0], *common)
+    assert outcome.code == 2 and "is learnt from, expected trials that are not" in outcome.said

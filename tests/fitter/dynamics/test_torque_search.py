@@ -30,6 +30,19 @@ def test_the_genetic_search_ends_at_the_least_squares_answer(sums):
     assert values == pytest.approx(TRUE, abs=0.05)
 
 
+@pytest.mark.parametrize("method", ["ga", "least-squares"])
+def test_within_bounds_the_answer_is_the_best_there(sums, method):
+    """As if those that the bounds stop were known."""
+    bounds = {"I2": (0.0, 0.4), "m2*sx2": (0.0, 1.7), "D1": (0.03, 0.03), "D2": (0.0, 1.0)}
+    fit = fit_sums(ARM, BASE, sums, method=method, bounds=bounds)
+    at_bounds = {"I2": 0.4, "m2*sx2": 1.7, "D1": 0.03}
+    held = fit_sums(ARM, BASE, sums, method="least-squares", fixed=at_bounds)
+    for name in BASE.names:
+        one, other = fit.parameters[name], held.parameters[name]
+        assert (one.value, one.std) == pytest.approx((other.value, other.std), rel=1e-9, nan_ok=True)
+    assert sorted(note.text.partition(" ")[0] for note in fit.notes) == sorted(at_bounds)
+
+
 def test_one_generation_is_not_enough(sums):
     with pytest.raises(NotConverged, match="after 1 generations"):
         fit_sums(ARM, BASE, sums, generations=1)
@@ -47,5 +60,6 @@ def test_other_values_are_those_of_the_parameters_and_of_the_arm(sums):
 def test_what_is_called_wrongly_is_said(sums):
     with pytest.raises(ConfigError, match="no base parameter is called I9"):
         fit_sums(ARM, BASE, sums, fixed={"I9": 1.0})
-    with pytest.raises(ConfigError, match="bounds of I2"):
-        fit_sums(ARM, BASE, sums, bounds={"I2": (2.0, 1.0)})
+    for method in ("ga", "least-squares"):
+        with pytest.raises(ConfigError, match="bounds of I2"):
+            fit_sums(ARM, BASE, sums, method=method, bounds={"I2": (2.0, 1.0)})
