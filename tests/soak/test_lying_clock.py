@@ -93,9 +93,9 @@ def stated_s(found: Found) -> Floats:
 
 
 def late_s(found: Found, device: LyingDevice) -> Floats:
-    """Return by how much the device itself was late of late, at each block: a busy machine is no lie."""
+    """Return by how much the device's bytes were late in the last second, at each block: a busy host is no lie."""
     taken_s = np.array([began_s + FRAME * period_s for began_s, period_s in device.taken])
-    late = np.array(device.wrote_s[: len(taken_s)]) - taken_s
+    late = np.array(device.wrote_s) - taken_s[: len(device.wrote_s)]
     frames = np.array(found.number) // FRAME
     over = round(_RECOGNISED_S * device.rate_hz / FRAME)
     return np.array([late[max(frame - over, 0) : frame + 1].min() for frame in frames])
