@@ -7,7 +7,14 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.model import Control
-from fitter.data.torque_target import has_unknown_target, motion_begins, target_of, torque_target
+from fitter.data.torque_target import (
+    has_unknown_target,
+    motion_begins,
+    target_holds_from,
+    target_of,
+    torque_target,
+)
+from fitter.data.trial_filter import settling_samples
 from limbcal.errors import DataError
 
 ARM = load_arm("dd-arm")
@@ -51,3 +58,13 @@ def test_a_joint_without_gain_has_no_target_but_where_it_rested(bench_trials):
     trial = replace(bench_trials[0], ref=None)
     start = motion_begins(trial)
     assert np.allclose(target_of(half, trial)[:, 1], trial.q[:start, 1].mean())
+
+
+@pytest.mark.parametrize("spare", [-1, 0, 1, 2])
+def test_a_target_holds_once_the_filter_has_settled_in_the_first_half(bench_trials, spare):
+    trial = replace(bench_trials[0], cutoff_hz=8.0)
+    begin, settling = motion_begins(trial), settling_samples(trial.dt_s, 8.0)
+    n = 2 * (begin + settling + spare)
+    short = replace(trial, t=trial.t[:n], q=trial.q[:n], dq=trial.dq[:n], ddq=trial.ddq[:n])
+    assert motion_begins(short) == begin
+    assert target_holds_from(short) == (begin + settling if spare > 0 else begin)

@@ -145,6 +145,18 @@ def level(degrees: Sequence[float], twin_degrees: Sequence[float] = ()) -> list[
     return rows
 
 
+def test_a_range_that_lines_hardly_fill_is_drawn_anew_far_from_zero() -> None:
+    page = Page()
+    line = Timeline(page, ARM, False)  # type: ignore[arg-type]
+    ranges = []
+    for k, degrees in enumerate(([100.0, 110.0], [101.0, 108.0], [104.0, 105.0])):
+        line.draw(1.0 + k, level(degrees))
+        ranges.append(page.plots[0].scales["y"]["range"])
+    assert ranges[1] == ranges[0]  # seven of twenty degrees fill it
+    bottom, top = ranges[2]
+    assert bottom <= 104.0 and 105.0 <= top and top - bottom < 5.0
+
+
 def test_colours_come_round_and_a_twin_s_are_its_arm_s() -> None:
     page, arm = Page(), Arm("nine", tuple(Joint(a_m=0.1) for _ in range(9)))
     Timeline(page, arm, True)  # type: ignore[arg-type]

@@ -1,12 +1,16 @@
 """Sensors whose clocks differ: what moving readings back does, and a late sensor that is found."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import numpy as np
 import pytest
 
 from arm.accelerometer import specific_force
 from arm.model import Arm
-from tracking.model.clocks import moved_back
+from tracking.model.clocks import CLOCK_STD_S, ClockSearch, moved_back
 from tracking.model.course import course_of
+from tracking.model.observation import ABSENT
 from tracking.model.readings import Readings, ReadingsBuilder
 from tracking.smoother.smoothed_frames import most_probable
 
@@ -68,3 +72,23 @@ def test_a_late_sensor_is_found_and_the_motion_with_it(vertical_arm: Arm) -> Non
     assert np.all(np.abs(late - [0.0, 0.0, 0.0, 0.015]) < 4.0 * std + 1e-9)
     off = np.abs(found.states[:, :6:3] - q)
     assert np.mean(off < 3.0 * np.sqrt(found.variance[:, ::3])) > 0.97
+
+
+def test_readings_are_moved_anew_from_a_tenth_of_what_is_not_known() -> None:
+    """Two sensors, the second's clock in the state's first column; known to 1 ms after the pass."""
+    sought: Any = SimpleNamespace(clock_column=np.array([ABSENT, 0]), link=np.zeros(2))
+    P = np.diag([1e-6, 1.0])
+    for left_s, anew in ((0.9e-4, False), (-0.9e-4, False), (1.1e-4, True), (-1.1e-4, True)):
+        search = ClockSearch(sought, np.zeros((5, 6)))
+        x0, at = np.zeros(2), np.zeros((5, 2))
+        assert search.take(np.array([left_s, 7.0]), P, x0, at) is anew
+        assert search.late_s.tolist() == [0.0, left_s * anew]
+        assert x0.tolist() == [-left_s * anew, 0.0] and np.all(at == x0)
+
+
+def test_a_clock_begins_unknown_by_a_few_packets() -> None:
+    sought: Any = SimpleNamespace(clock_column=np.array([ABSENT, 0]), link=np.zeros(2))
+    x, P = np.ones(2), np.ones((2, 2))
+    ClockSearch(sought, np.zeros((5, 6))).begin(x, P)
+    assert x.tolist() == [0.0, 1.0]
+    assert P.tolist() == [[CLOCK_STD_S**2, 0.0], [0.0, 1.0]]
