@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from fitter.data.block_times import block_times
 from fitter.data.drift import dead_reckoned, without_drift
 from fitter.data.motions import Measured
+from fitter.data.uncertain_motion import with_uncertain_marked
 from limbcal.errors import DataError
 from limbcal.note import Note
 from protocol.message import FRAMES, RAW, TRIAL
@@ -78,7 +79,8 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
     -------
     list of Measured
         With q, dq, ddq and points, and q_std where the tracker claimed one; the whole recording as one if it
-        announces no trial.
+        announces no trial. Where an angle was not known any more it is marked, see
+        `fitter.data.uncertain_motion`.
 
     Raises
     ------
@@ -107,10 +109,11 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
     if columns["q"].shape != (len(t), n_joint):
         found = columns["q"].shape[1:]
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
-    lost = sum(bool(block.get("gap")) for block in blocks)
+    gaps = [bool(block.get("gap")) for block in blocks]
+    lost = np.repeat(gaps, [len(_array(block, "q", path)) for block in blocks])
     notes = tuple(damaged)
-    if lost:
-        notes = (*notes, Note("lost", f"{lost} block(s) of frames after lost samples"))
+    if any(gaps):
+        notes = (*notes, Note("lost", f"{sum(gaps)} block(s) of frames after lost samples"))
     windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
     if windows:
         spans = [(window.begin_s, window.end_s) for window in windows if not window.broken_off]
@@ -121,12 +124,12 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
         left = Note("drift", f"the recording ends before the motion does: its drift is left in it ({said})")
     whole = Measured(path.stem, where, 0, t, columns, notes=notes)
     if not windows:
-        return [whole]
+        return [with_uncertain_marked(whole, lost)]
     motions: list[Measured] = []
     for window in windows:
-        begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS])
-        motion = whole.rows(int(begin), int(end), window.name, left if window.broken_off else taken)
-        motions.append(replace(motion, role=window.role))
+        begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS]).tolist()
+        motion = whole.rows(begin, end, window.name, left if window.broken_off else taken)
+        motions.append(with_uncertain_marked(replace(motion, role=window.role), lost[begin:end]))
     return [motion for motion in motions if len(motion.t)]
 
 

@@ -268,3 +268,13 @@ def test_raw_samples_are_stamped_from_the_first_on(tmp_path):
     t, a = read_raw_blocks([record(tmp_path / "run.mcap", [(RAW, raw(k)) for k in (640, 704, 832)])], 6)
     np.testing.assert_allclose(t, np.concatenate([np.arange(128), 192 + np.arange(64)]) / 32000, atol=1e-9)
     assert a[:, 0].tolist() == [*range(640, 768), *range(832, 896)]
+
+
+def test_frames_at_which_the_filter_knew_no_more_do_not_count(tmp_path):
+    blocks = [(FRAMES, {**frames(k, gap=k >= 500), "method": "filter"}) for k in range(0, 1000, BLOCK)]
+    for _, fields in blocks:
+        fields["q_std"] = np.full((BLOCK, 2), 0.5 if fields["gap"] else 1e-3)
+    path = record(tmp_path / "run.mcap", blocks)
+    (trial,) = load_trials([path], 2)
+    assert trial.counted[:500].all() and not trial.counted[500:].any()
+    assert "uncertain" in {note.kind for note in trial.notes}
