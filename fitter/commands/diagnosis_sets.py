@@ -11,7 +11,6 @@ from arm.model import Arm
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
 from fitter.data.recordings import by_run, read_frames
-from fitter.data.uncertain_motion import without_uncertain
 from limbcal.errors import ConfigError
 from protocol.tables.columns import parse_mapping
 from protocol.tables.files import RECORDINGS, expand
@@ -51,8 +50,7 @@ class TrialSet:
         for together in by_run(expand(self.sources)):
             path = together[0]
             if path.suffix.lower() in RECORDINGS:
-                known = (without_uncertain(motion) for motion in read_frames(together, arm.n_joint))
-                motions += [motion for motion in known if len(motion.t)]
+                motions += read_frames(together, arm.n_joint)
             else:
                 motions += questioned(read_motions(path, arm.n_joint, mapping, rate_hz, required=("q",)), arm)
         return motions

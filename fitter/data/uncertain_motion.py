@@ -47,19 +47,3 @@ def with_uncertain_marked(motion: Measured, lost: NDArray[np.bool_]) -> Measured
         return motion
     columns = {**motion.columns, CONTRADICTED: uncertain.astype(np.float64)}
     return replace(motion, columns=columns, notes=(*motion.notes, *notes))
-
-
-def without_uncertain(motion: Measured) -> Measured:
-    """Return a motion without the samples at which some angle was not known: holes, where all joints are needed.
-
-    Parameters
-    ----------
-    motion : Measured
-        Of `with_uncertain_marked`.
-    """
-    marked = motion.columns.get(CONTRADICTED)
-    if marked is None:
-        return motion
-    known = ~(marked > 0.0).any(axis=1)
-    columns = {name: values[known] for name, values in motion.columns.items() if name != CONTRADICTED}
-    return replace(motion, t=motion.t[known], columns=columns)

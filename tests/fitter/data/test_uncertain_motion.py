@@ -5,7 +5,7 @@ import pytest
 
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
-from fitter.data.uncertain_motion import with_uncertain_marked, without_uncertain
+from fitter.data.uncertain_motion import with_uncertain_marked
 
 N = 400
 T = 0.01 * np.arange(N)
@@ -59,15 +59,3 @@ def test_its_torques_do_not_count() -> None:
     (trial,) = to_trials([with_uncertain_marked(moving(known(0.001, 0.1)), LOST)], cutoff_hz=np.inf)
     assert trial.counted[:, 0].all()  # of 0.5 rad
     assert trial.counted[: N // 2, 1].all() and not trial.counted[N // 2 :, 1].any()
-
-
-def test_what_needs_all_joints_is_parted_there() -> None:
-    std = known(0.001, 0.1)
-    std[3 * N // 4 :] = 0.001  # it has found the arm again
-    motion = with_uncertain_marked(moving(std), LOST)
-    rest = without_uncertain(motion)
-    assert rest.t.tolist() == [*motion.t[: N // 2], *motion.t[3 * N // 4 :]]
-    assert set(rest.columns) == set(motion.columns) - {"contradicted"}
-    first, second = to_trials([rest], cutoff_hz=np.inf)
-    assert (len(first.t), len(second.t)) == (N // 2, N // 4)
-    assert without_uncertain(moving(std)).t is T
