@@ -139,7 +139,7 @@ def health_fields(
         "clock_ppm": clock.ppm,
         "clock": {
             "ppm_std": clock.ppm_std,
-            "error_ms": clock.error_ms,
+            "error_ms": reception.take_error_ms(),
             "host_ahead_s": 1e-9 * host.ahead_ns,
             "host_jumps": host.jumps,
         },

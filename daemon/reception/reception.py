@@ -79,6 +79,7 @@ class Reception:
         self._doubted = DoubtedFrames()
         self._first_ns: int | None = None
         self._look_ns = 0
+        self._error_ms: float | None = None
         self.identity = DeviceIdentity(self.info)
         self.connected = True
         self.reconnects = 0
@@ -147,6 +148,12 @@ class Reception:
         """Return the gaps since the last time."""
         return self._timed.new_gaps()
 
+    def take_error_ms(self) -> float | None:
+        """Return the largest standard error of the stamps since the last time [ms], None where none is known."""
+        now_ms = None if self.clock is None else self.clock.state.error_ms
+        largest_ms, self._error_ms = now_ms if self._error_ms is None else self._error_ms, now_ms
+        return largest_ms
+
     def dropped(self) -> None:
         """Note that the daemon itself had no room for what came."""
         self._losses.why = "the daemon fell behind"
@@ -164,6 +171,8 @@ class Reception:
         self._arrival_ns = arrival_ns
         if self._first_ns is None and self.ledger.samples:
             self._first_ns = arrival_ns
+        if self.clock is not None and (error_ms := self.clock.state.error_ms) is not None:
+            self._error_ms = error_ms if self._error_ms is None else max(self._error_ms, error_ms)
         if self.clock is not None and arrival_ns >= self._look_ns:
             self.rate.look(self.ledger.step, self.clock.state)
             self._look_ns = arrival_ns + _LOOK_NS

@@ -299,3 +299,14 @@ def test_after_a_pulled_cable_a_gap_is_exact_where_infos_explain_the_numbers(los
     taker.take(*(sample(number, 3 * STEP + 125 * lost + STEP * (number - 7)) for number in (7, 8, 9, 10)))
     taker.reception.finish()
     assert taker.gaps() == [(96, lost, 10**18 + 12_000_000, "unplugged", exact)]
+
+
+def test_the_largest_error_of_stamps_since_it_was_last_asked_is_stated() -> None:
+    taker = Taker()
+    assert taker.reception.take_error_ms() is None
+    for k, error_ms in enumerate((None, 2.0, 60.0, 3.0)):
+        if taker.clocks:
+            taker.clocks[-1].state = ClockState(None, None, error_ms)
+        taker.take(encode_samples(np.zeros((32, 12), dtype=np.int16), k + 1, STEP * k))
+    assert taker.reception.take_error_ms() == 60.0
+    assert taker.reception.take_error_ms() == 3.0  # as it still is
