@@ -40,7 +40,7 @@ def with_uncertain_marked(motion: Measured, lost: NDArray[np.bool_]) -> Measured
         begin_s, end_s = (float(motion.t[k]) for k in (rows[0], rows[-1]))
         text = (
             f"q{j + 1} is known to no better than {float(std[rows, j].max()):.2g} rad or m in {len(rows)} of "
-            f"{len(std)} frames after lost samples: joint {j + 1} does not count there"
+            f"{len(std)} frames after lost samples: no fit of dynamics counts joint {j + 1} there"
         )
         notes.append(Note("uncertain", text, columns=(f"q{j + 1}",), from_s=begin_s, to_s=end_s))
     if not notes:
