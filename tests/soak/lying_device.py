@@ -4,7 +4,6 @@ import os
 import threading
 import time
 import tty
-from collections import deque
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from select import select
@@ -91,8 +90,6 @@ class LyingDevice:
     ----------
     taken : list of (float, float)
         When the first sample of each frame was taken, by the host's monotonic clock, and from it to the next [s].
-    wrote_s : list of float
-        When the last of that frame was handed over to the tty, which holds 4 kB: a busy host lets bytes wait.
     """
 
     rate_hz: float
@@ -100,7 +97,6 @@ class LyingDevice:
     bits: int = 64
     starts_at: int = 1 << 31
     taken: list[tuple[float, float]] = field(default_factory=list)
-    wrote_s: list[float] = field(default_factory=list)
 
     def __post_init__(self) -> None:
         channels = tuple(Channel(name, _SCALE, 0.0, 49.0) for name in _CHANNELS)
@@ -111,9 +107,6 @@ class LyingDevice:
         self._ticks = float(self.starts_at)
         self._held: float | None = None
         self._out = bytearray()
-        #: Bytes that were handed over, and put, and up to which each frame of samples reaches that waits.
-        self._over_bytes = self._put_bytes = 0
-        self._ends: deque[int] = deque()
         self._master, self._slave = os.openpty()
         self.path = os.ttyname(self._slave)
         tty.setraw(self._slave)
@@ -171,7 +164,6 @@ class LyingDevice:
             shown = self._held if "halt" in acting and self._held is not None else self._ticks
             self._put(encode_samples(_digits(self._frame * FRAME), self._sequence, self._whole(shown + torn)))
             self.taken.append((self._due_s, frame_s / FRAME))
-            self._ends.append(self._put_bytes)
             self._due_s += frame_s
             self._frame += 1
             self._ticks += FRAME / self.rate_hz * TICK_HZ * (1.0 + acting.get("clock drifts", 0.0))
@@ -197,7 +189,6 @@ class LyingDevice:
     def _put(self, frame: bytes) -> None:
         self._sequence += 1
         self._out += frame
-        self._put_bytes += len(frame)
 
     def _drain(self) -> None:
         while self._out:
@@ -206,7 +197,3 @@ class LyingDevice:
             except BlockingIOError:
                 return
             del self._out[:sent]
-            self._over_bytes += sent
-            while self._ends and self._ends[0] <= self._over_bytes:
-                self._ends.popleft()
-                self.wrote_s.append(time.monotonic())

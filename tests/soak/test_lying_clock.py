@@ -92,15 +92,6 @@ def stated_s(found: Found) -> Floats:
     return np.asarray(1e-3 * np.maximum(error_ms[np.clip(k - 1, 0, last)], error_ms[np.clip(k, 0, last)]))
 
 
-def late_s(found: Found, device: LyingDevice) -> Floats:
-    """Return by how much the device's bytes were late in the last second, at each block: a busy host is no lie."""
-    taken_s = np.array([began_s + FRAME * period_s for began_s, period_s in device.taken])
-    late = np.array(device.wrote_s) - taken_s[: len(device.wrote_s)]
-    frames = np.array(found.number) // FRAME
-    over = round(_RECOGNISED_S * device.rate_hz / FRAME)
-    return np.array([late[max(frame - over, 0) : frame + 1].min() for frame in frames])
-
-
 def reported(lie: Lie, found: Found, device: LyingDevice) -> bool:
     """Say whether a lie is in the ledger, or an alarm tells of it, or the stated error of one that is slow."""
     assert lie.frame is not None
@@ -142,7 +133,7 @@ def judge(found: Found, device: LyingDevice, seconds: float, long: Long) -> None
     true_s = np.array([device.true_s(number) for number in found.number])
     error_s, off_s = stated_s(found), np.abs(stamps_s - true_s)
     known = settled(true_s, lied, device) & np.isfinite(error_s)
-    beyond = known & (off_s > 3.0 * error_s + _WAY_S + late_s(found, device))
+    beyond = known & (off_s > 3.0 * error_s + _WAY_S)
     untold = [lie.text for lie in lied if not reported(lie, found, device)]
     miscounted = np.flatnonzero(np.diff(numbers - found.reported))
     grown_mb = held(found, seconds)
