@@ -29,11 +29,10 @@ from fitter.commands.options import (
 )
 from fitter.commands.payload_option import add_payload, unloaded
 from fitter.commands.summed_dynamics import dynamics_from_sums
-from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
+from fitter.commands.trial_sets import load_set, notes_of, trial_sets, with_notes
 from fitter.controller import controller
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Role, Trial, undriven
-from fitter.data.trials import load_trials
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
@@ -250,16 +249,6 @@ def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[
         corner_hz = np.inf  # a tracker's motion is smooth already, and is learnt from as it was when it was live
 
     def load(sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None) -> list[Trial]:
-        cutoff_hz, band_hz = filters or (corner_hz, None)
-        return load_trials(
-            sources,
-            arm.n_joint,
-            arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=cutoff_hz,
-            band_hz=band_hz,
-            role=role,
-            arm=arm,
-        )
+        return load_set(arguments, arm, sources, role, filters or (corner_hz, None))
 
     return trial_sets(load, arguments.learn, arguments.evaluate)

@@ -10,11 +10,11 @@ from arm.structural_parameters import structural_parameters
 from fitter.commands.dynamics_said import say_compared, say_fit
 from fitter.commands.options import bounds_of, fixed_of
 from fitter.commands.sums import reduced
-from fitter.commands.trial_sets import notes_of, require_apart, with_notes
+from fitter.commands.trial_sets import load_set, notes_of, require_apart, with_notes
 from fitter.data.recordings import by_run, read_frames
 from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Role, Trial
-from fitter.data.trials import load_trials, to_trials
+from fitter.data.trials import to_trials
 from fitter.dynamics.consistency import made_possible, with_warnings
 from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.errors_of_motions import known_by_motions
@@ -119,18 +119,9 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note,
 
 def _evaluating(arguments: argparse.Namespace, arm: Arm, filters: Filters) -> list[Trial]:
     """Return the trials of ``--evaluate``, or else those that recordings hold back themselves."""
-    cutoff_hz, band_hz = filters
     if arguments.evaluate:
-        return load_trials(
-            arguments.evaluate,
-            arm.n_joint,
-            arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=cutoff_hz,
-            band_hz=band_hz,
-            arm=arm,
-        )
+        return load_set(arguments, arm, arguments.evaluate, None, filters)
     recordings = [path for path in expand(arguments.learn) if path.suffix.lower() in RECORDINGS]
     motions = [motion for run in by_run(recordings) for motion in read_frames(run, arm.n_joint)]
     held_back = [motion for motion in motions if motion.role == "evaluate"]
-    return to_trials(held_back, arguments.rate_hz, cutoff_hz, band_hz) if held_back else []
+    return to_trials(held_back, arguments.rate_hz, *filters) if held_back else []

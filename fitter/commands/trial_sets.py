@@ -1,16 +1,50 @@
 """The trials to learn from and those held back: never mixed."""
 
+import argparse
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+from arm.model import Arm
 from fitter.data.trial import Role, Trial
+from fitter.data.trials import load_trials
 from limbcal.errors import ConfigError
 from limbcal.note import Note, documents, of_source
 from protocol.tables.files import expand
 
 #: Reads trials of one role, or all, with the corners of two filters where these are chosen already.
 Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[Trial]]
+
+
+def load_set(
+    arguments: argparse.Namespace,
+    arm: Arm,
+    sources: Sequence[Path],
+    role: Role | None,
+    filters: tuple[float | None, float | None],
+) -> list[Trial]:
+    """Read a set of trials by the options for columns and rate, see `fitter.data.trials.load_trials`.
+
+    Parameters
+    ----------
+    arguments : argparse.Namespace
+    arm : Arm
+    sources : sequence of Path
+    role : {"learn", "evaluate"} or None
+    filters : (float or None, float or None)
+        Corners of the filter of derived columns and of the fit's own [Hz].
+    """
+    cutoff_hz, band_hz = filters
+    return load_trials(
+        sources,
+        arm.n_joint,
+        arguments.columns,
+        rate_hz=arguments.rate_hz,
+        cutoff_hz=cutoff_hz,
+        band_hz=band_hz,
+        role=role,
+        arm=arm,
+    )
 
 
 def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> tuple[list[Trial], list[Trial]]:

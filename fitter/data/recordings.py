@@ -89,15 +89,15 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
     """
     path, where = files[0], ", ".join(map(str, files))
     blocks: list[Fields] = []
-    events: list[Fields] = []
+    events: dict[tuple[object, ...], Fields] = {}
     damaged: list[Note] = []
     for file in files:
         messages = read_recording(file, (FRAMES, TRIAL))
         for topic, fields, _ in messages:
             if topic == FRAMES:
                 blocks.append(fields)
-            elif fields not in events:  # the next file repeats what may not have reached the one before
-                events.append(fields)
+            else:  # the next file repeats what may not have reached the one before
+                events.setdefault(tuple(fields.get(name) for name in ("trial", "state", "t_ns")), fields)
         damaged += [Note("damaged", warning) for warning in messages.warnings]
     if not blocks:
         raise DataError(f"{where}: no {FRAMES} in this recording")
@@ -110,11 +110,11 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
         found = columns["q"].shape[1:]
         raise DataError(f"{path}: frames of {found} joint angles, expected {n_joint} as the arm has")
     gaps = [bool(block.get("gap")) for block in blocks]
-    lost = np.repeat(gaps, [len(_array(block, "q", path)) for block in blocks])
+    lost = np.repeat(gaps, [_whole(block, "n", path) for block in blocks])
     notes = tuple(damaged)
     if any(gaps):
         notes = (*notes, Note("lost", f"{sum(gaps)} block(s) of frames after lost samples"))
-    windows = _windows(path.stem, events, start_ns, float(t[-1]), path)
+    windows = _windows(path.stem, list(events.values()), start_ns, float(t[-1]), path)
     if windows:
         spans = [(window.begin_s, window.end_s) for window in windows if not window.broken_off]
         drifting = dead_reckoned(blocks[0].get("method"))

@@ -52,12 +52,12 @@ class FrequencyRows:
                 begins = float(self.hz[k])
         return band
 
-    def mean_by_band(self, squares: Floats) -> Floats:
-        """Return the mean of numbers of coefficients, (n_coefficient, 6), over each band, (n_band, 6)."""
-        band = self.bands()
-        total = np.zeros((int(band.max()) + 1, N_ROW))
-        np.add.at(total, band, squares)
-        return np.asarray(total / np.bincount(band)[:, None])
+
+def mean_by_band(band: NDArray[np.intp], squares: Floats) -> Floats:
+    """Return the mean of numbers of coefficients, (n_coefficient, 6), over each of their bands, (n_band, 6)."""
+    total = np.zeros((int(band.max()) + 1, N_ROW))
+    np.add.at(total, band, squares)
+    return np.asarray(total / np.bincount(band)[:, None])
 
 
 def frequency_rows(

@@ -14,7 +14,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.ground.deformation import Deformation
-from fitter.ground.frequency_rows import N_ROW, FrequencyRows
+from fitter.ground.frequency_rows import N_ROW, FrequencyRows, mean_by_band
 from fitter.ground.mass_prior import MassPrior
 from limbcal.errors import NotConverged
 
@@ -80,7 +80,7 @@ def ground_fit(
         return np.asarray(rows.w - Y @ deformation.parameters(prior.mean + root @ z))
 
     def by_band(squares: Floats) -> Floats:
-        return np.asarray(rows.mean_by_band(squares) + floor)
+        return np.asarray(mean_by_band(band, squares) + floor)
 
     carried = by_band(np.sum(D**2, axis=2))
     power = by_band(left(z) ** 2)

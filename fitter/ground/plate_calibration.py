@@ -12,7 +12,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.ground.disturbances import plate_columns
-from fitter.ground.frequency_rows import FrequencyRows
+from fitter.ground.frequency_rows import FrequencyRows, mean_by_band
 from fitter.ground.ground_fit import Posterior
 
 #: Their coefficients: three of the place, three of the zero.
@@ -63,8 +63,9 @@ def plate_calibration(
     """
     n = len(theta)
     Y, skin, plates = np.split(rows.Y, [n, rows.Y.shape[2] - N_PLATE], axis=2)
-    variance = posterior.power + rows.mean_by_band(np.sum((skin * std[:-N_PLATE]) ** 2, axis=2))
-    weight = (variance[rows.bands()] ** -0.5)[..., None]
+    band = rows.bands()
+    variance = posterior.power + mean_by_band(band, np.sum((skin * std[:-N_PLATE]) ** 2, axis=2))
+    weight = (variance[band] ** -0.5)[..., None]
     P, A = ((weight * x).reshape(-1, x.shape[2]) for x in (plates, Y))
     r = (weight[..., 0] * (rows.w - Y @ theta)).ravel()
     own = np.linalg.inv(P.T @ P + np.diag(std[-N_PLATE:] ** -2.0))
