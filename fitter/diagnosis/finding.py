@@ -86,13 +86,17 @@ class Polished:
     Attributes
     ----------
     kept : bool
-        Whether the angles gained, and the torque, if it was measured, lost nothing beyond chance.
+        Whether the angles gained, the torque, if it was measured, lost nothing beyond chance, and every size stays
+        significant.
     before, after : Errors
+    is_significant : bool
+        Whether the moved size of every cause differs significantly from none.
     """
 
     kept: bool
     before: Errors
     after: Errors
+    is_significant: bool = True
 
     def document(self) -> dict[str, object]:
         """Return it as JSON has it."""
@@ -108,6 +112,8 @@ class Polished:
         moved = [f"{size:.3g}{unit}" if np.isfinite(size) else "away" for size in means]
         torque = [", ".join(f"{size:.3g}" for size in one.torque_rms) for one in (self.before, self.after)]
         kept = "the moved numbers are kept" if self.kept else "so the numbers of the torque's equations stand"
+        if not self.is_significant:
+            kept = f"a cause's size would no longer differ from none, {kept}"
         return (
             "the numbers were moved by the simulated motion of the learning trials; on the trials held back the "
             f"{what}' mean error went from {moved[0]} to {moved[1]} and the torque's rms from {torque[0]} to "

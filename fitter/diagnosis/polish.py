@@ -1,6 +1,7 @@
 """A model's numbers moved until its simulated motion is nearest to the measured one; kept if other trials gain.
 
-The learning trials' angles move the numbers by multiple shooting (`fitter.dynamics.output_error`).
+The learning trials' angles move the numbers by multiple shooting (`fitter.dynamics.output_error`). Moved
+numbers are kept only while the size of every cause differs significantly from none, as the search demands, too.
 
 Where a torque was measured, the motion is evidence in addition to the torque's equations. These count as the
 search weighs them; angles, which what the model lacks makes resemble each other, count once a block. Where none
@@ -16,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
-from fitter.diagnosis.estimates import Estimates, estimates, information_of
+from fitter.diagnosis.estimates import Estimates, estimates, information_of, significant
 from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, given_effects, model_numbers
 from fitter.diagnosis.finding import Conclusion, Polished
 from fitter.diagnosis.held_out import judged, smooth, torque_residual
@@ -81,10 +82,11 @@ def polished(
     others = [one for one in motions if not one.learn]
     before = judged(regression, come_to.final, plain, others, horizon_s)
     after = judged(regression, candidate, arm, others, horizon_s)
-    kept = comes_nearer(before, after)
+    is_significant = all(significant(candidate, covariance))
+    kept = is_significant and comes_nearer(before, after)
     if kept and after.unfiltered_square is not None:
         kept = not loses(regression, come_to.final, candidate, others)
-    return Polish(Polished(kept, before, after), candidate, numbers)
+    return Polish(Polished(kept, before, after, is_significant), candidate, numbers)
 
 
 def _moved(

@@ -61,6 +61,17 @@ def test_numbers_that_are_off_come_back_and_are_kept_under_a_law(dragged):
     assert set(found.said.document()) == {"before", "after"} and "are kept" in found.said.sentence
 
 
+def test_numbers_stand_where_a_causes_size_would_vanish():
+    """Motion without any drag comes nearer without the drag, but then no drag is named."""
+    regression = swinging(trials=4)
+    right = fitted(regression, Model().plus(DRAG, np.zeros(0)))
+    wrong = replace(right, x=right.x + np.r_[np.zeros(len(right.x) - 1), 0.2])
+    found = polished(regression, come_to(regression, wrong, scatter=20.0), whole(regression), 0.5)
+    assert found is not None and not found.said.kept
+    assert found.said.after.angle_deg["rms"] < 0.5 * found.said.before.angle_deg["rms"]
+    assert "no longer differ from none, so the numbers of the torque's equations stand" in found.said.sentence
+
+
 def test_nothing_is_moved_where_noise_is_all_that_is_left_or_no_cause_is_there(dragged):
     regression, right, _ = dragged
     exact = come_to(regression, right, ratio=1.0)
