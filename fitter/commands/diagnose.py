@@ -16,7 +16,7 @@ from fitter.commands.diagnose_markers import diagnose_marker_files
 from fitter.commands.diagnose_readings import diagnose_readings, readings
 from fitter.commands.diagnosis_sets import TrialSet, add_sets, require_other_samples, sets_of
 from fitter.commands.limb_track import has_markers
-from fitter.commands.options import add_arm, add_columns, positive
+from fitter.commands.options import add_arm, add_as_tracked, add_columns, positive
 from fitter.commands.trial_sets import notes_of
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
@@ -46,6 +46,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_sets(parser)
     add_arm(parser)
     add_columns(parser)
+    add_as_tracked(parser)
     parser.add_argument(
         "--deny", metavar="LIST", help="frictions that the base model is to do without: viscous,coulomb"
     )

@@ -8,12 +8,10 @@ from pathlib import Path
 import numpy as np
 
 from arm.model import Arm
-from fitter.data.motions import Measured, read_motions
-from fitter.data.plausibility.questions import questioned
-from fitter.data.recordings import by_run, read_frames
+from fitter.data.motions import Measured
+from fitter.data.trials import read_set
 from limbcal.errors import ConfigError
-from protocol.tables.columns import parse_mapping
-from protocol.tables.files import RECORDINGS, expand
+from protocol.tables.files import expand
 
 #: Rows that two sets of one file may share by chance: at a rest, or at two starts that are alike.
 _BY_CHANCE = 32
@@ -31,11 +29,14 @@ class TrialSet:
     sources : sequence of Path
     columns : str or None
         Its mapping of foreign columns.
+    as_tracked : bool
+        Take the motions of recordings as the tracker gave them out, not estimated again.
     """
 
     option: str
     sources: Sequence[Path]
     columns: str | None
+    as_tracked: bool = False
 
     def only(self, source: Path) -> "TrialSet":
         """Return what is of one of its sources."""
@@ -45,15 +46,9 @@ class TrialSet:
         """Return its trials, questioned; none where there are no sources."""
         if not self.sources:
             return []
-        mapping = parse_mapping(self.columns, arm.n_joint)
-        motions: list[Measured] = []
-        for together in by_run(expand(self.sources)):
-            path = together[0]
-            if path.suffix.lower() in RECORDINGS:
-                motions += read_frames(together, arm.n_joint)
-            else:
-                motions += questioned(read_motions(path, arm.n_joint, mapping, rate_hz, required=("q",)), arm)
-        return motions
+        return read_set(
+            self.sources, arm.n_joint, self.columns, rate_hz=rate_hz, arm=arm, as_tracked=self.as_tracked
+        )
 
 
 def add_sets(parser: argparse.ArgumentParser) -> None:
@@ -91,12 +86,13 @@ def sets_of(arguments: argparse.Namespace) -> tuple[TrialSet, TrialSet, TrialSet
         If a file is in two sets by the same columns, or a mapping is of no set.
     """
     columns: str | None = arguments.columns
-    sets = [TrialSet("", arguments.learn, columns)]
+    as_tracked: bool = arguments.as_tracked
+    sets = [TrialSet("", arguments.learn, columns, as_tracked)]
     for name in ("evaluate", "judge"):
         sources, own = getattr(arguments, name), getattr(arguments, f"{name}_columns")
         if own is not None and not sources:
             raise ConfigError(f"--{name}-columns is given without --{name}, expected both")
-        sets.append(TrialSet(f"--{name}", sources, columns if own is None else own))
+        sets.append(TrialSet(f"--{name}", sources, columns if own is None else own, as_tracked))
     for first, second in ((0, 1), (0, 2), (1, 2)):
         _require_apart(sets[first], sets[second])
     return sets[0], sets[1], sets[2]

@@ -16,6 +16,7 @@ from fitter.commands.equilibrium import nothing_is_known, up_to_scale
 from fitter.commands.ground_dynamics import add_ground, ground_dynamics
 from fitter.commands.options import (
     add_arm,
+    add_as_tracked,
     add_columns,
     add_out,
     add_report,
@@ -29,10 +30,10 @@ from fitter.commands.options import (
 )
 from fitter.commands.payload_option import add_payload, unloaded
 from fitter.commands.summed_dynamics import dynamics_from_sums
-from fitter.commands.trial_sets import load_set, notes_of, trial_sets, with_notes
+from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.controller import controller
 from fitter.data.torque_target import has_unknown_target
-from fitter.data.trial import Role, Trial, undriven
+from fitter.data.trial import Trial, undriven
 from fitter.dynamics.dynamics_fit import DynamicsFit, Objective, document
 from fitter.dynamics.evaluation import HORIZON_S, score
 from fitter.dynamics.fit import fit_dynamics
@@ -65,6 +66,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     )
     add_arm(parser)
     add_columns(parser)
+    add_as_tracked(parser)
     parser.add_argument("--cutoff-hz", type=positive, metavar="F", help="corner of the fit (found in the data)")
     add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--method", choices=["ga", "least-squares"], default="ga")
@@ -246,9 +248,5 @@ def _with_gains(
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
     corner_hz: float | None = arguments.cutoff_hz
     if corner_hz is None and all(path.suffix.lower() in RECORDINGS for path in expand(arguments.learn)):
-        corner_hz = np.inf  # a tracker's motion is smooth already, and is learnt from as it was when it was live
-
-    def load(sources: Sequence[Path], role: Role | None, filters: tuple[float, float] | None) -> list[Trial]:
-        return load_set(arguments, arm, sources, role, filters or (corner_hz, None))
-
-    return trial_sets(load, arguments.learn, arguments.evaluate)
+        corner_hz = np.inf  # a tracker's motion is smooth already
+    return trial_sets(arguments, arm, arguments.learn, (corner_hz, None))

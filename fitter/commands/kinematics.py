@@ -1,7 +1,6 @@
 """`fitter kinematics`: angles and a measured tip, or a person's markers, to the geometry of eq. (1) to (3)."""
 
 import argparse
-from collections.abc import Sequence
 from pathlib import Path
 from typing import Literal
 
@@ -14,6 +13,7 @@ from fitter.commands.arm_option import questioned_arm
 from fitter.commands.limb_kinematics import add_body, limb_kinematics, require_no_limb
 from fitter.commands.options import (
     add_arm,
+    add_as_tracked,
     add_columns,
     add_out,
     add_report,
@@ -25,8 +25,7 @@ from fitter.commands.options import (
 )
 from fitter.commands.trial_sets import notes_of, trial_sets, with_notes
 from fitter.data.measured_tip import with_measured_tip
-from fitter.data.trial import Role, Trial
-from fitter.data.trials import load_trials
+from fitter.data.trial import Trial
 from fitter.kinematics.geometry_fit import GENERATIONS, LEAST_EXPLAINED, fit_kinematics, hardly
 from fitter.kinematics.kinematics_fit import KinematicsFit, angle_noise_deg, document, gauge_sentences
 from fitter.kinematics.tip_error import TipScore, tip_score
@@ -56,6 +55,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     add_arm(parser, required=False)
     add_body(parser)
     add_columns(parser)
+    add_as_tracked(parser)
     add_search(parser, "100, or 8 a parameter", GENERATIONS)
     parser.add_argument("--bounds", metavar="P=LOW:HIGH,…", help="where to search (a in 0..1 m, angles ±30°)")
     parser.add_argument("--fix", metavar="P=VALUE,…", help="parameters that are known")
@@ -154,18 +154,7 @@ def angle_noise_of(text: str, arm: Arm) -> Literal["auto"] | None | list[float]:
 
 
 def _trials(arguments: argparse.Namespace, arm: Arm) -> tuple[list[Trial], list[Trial]]:
-    def load(sources: Sequence[Path], role: Role | None, _filters: tuple[float, float] | None) -> list[Trial]:
-        return load_trials(
-            sources,
-            arm.n_joint,
-            arguments.columns,
-            rate_hz=arguments.rate_hz,
-            cutoff_hz=np.inf,
-            role=role,
-            arm=arm,
-        )
-
-    learn, evaluate = trial_sets(load, arguments.data, arguments.evaluate)
+    learn, evaluate = trial_sets(arguments, arm, arguments.data, (np.inf, None))
     say_notes(notes_of((*learn, *evaluate)))
     with_tip = [[with_measured_tip(arm, trial) for trial in trials] for trials in (learn, evaluate)]
     return with_tip[0], with_tip[1]

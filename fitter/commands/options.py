@@ -38,6 +38,15 @@ def add_columns(parser: argparse.ArgumentParser) -> None:
     )
 
 
+def add_as_tracked(parser: argparse.ArgumentParser) -> None:
+    """Add the option that takes recorded motions as they are."""
+    parser.add_argument(
+        "--as-tracked",
+        action="store_true",
+        help="take motions of recordings as the daemon's tracker gave them out, not estimated again from readings",
+    )
+
+
 def add_out(parser: argparse.ArgumentParser, help_text: str) -> None:
     """Add ``--out FILE``."""
     parser.add_argument("--out", type=Path, required=True, metavar="FILE", help=help_text)

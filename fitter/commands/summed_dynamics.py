@@ -1,7 +1,6 @@
 """`fitter dynamics` from sums, saved ones or those of many files: the motion itself is never held."""
 
 import argparse
-from typing import TypeAlias
 
 import numpy as np
 
@@ -10,8 +9,7 @@ from arm.structural_parameters import structural_parameters
 from fitter.commands.dynamics_said import say_compared, say_fit
 from fitter.commands.options import bounds_of, fixed_of
 from fitter.commands.sums import reduced
-from fitter.commands.trial_sets import load_set, notes_of, require_apart, with_notes
-from fitter.data.recordings import by_run, read_frames
+from fitter.commands.trial_sets import Filters, evaluating, motions_of, notes_of, require_apart, with_notes
 from fitter.data.standstill import REST_SPEED
 from fitter.data.trial import Role, Trial
 from fitter.data.trials import to_trials
@@ -30,9 +28,6 @@ from limbcal.command import Document, say_notes
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note
 from protocol.tables.files import RECORDINGS, expand
-
-#: Corners of the filter of derived columns and of the fit's own [Hz].
-Filters: TypeAlias = tuple[float | None, float | None]
 
 
 def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
@@ -120,8 +115,8 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note,
 def _evaluating(arguments: argparse.Namespace, arm: Arm, filters: Filters) -> list[Trial]:
     """Return the trials of ``--evaluate``, or else those that recordings hold back themselves."""
     if arguments.evaluate:
-        return load_set(arguments, arm, arguments.evaluate, None, filters)
-    recordings = [path for path in expand(arguments.learn) if path.suffix.lower() in RECORDINGS]
-    motions = [motion for run in by_run(recordings) for motion in read_frames(run, arm.n_joint)]
-    held_back = [motion for motion in motions if motion.role == "evaluate"]
-    return to_trials(held_back, arguments.rate_hz, *filters) if held_back else []
+        motions = motions_of(arguments, arm, arguments.evaluate)
+    else:
+        recordings = [path for path in expand(arguments.learn) if path.suffix.lower() in RECORDINGS]
+        motions = evaluating(motions_of(arguments, arm, recordings))
+    return to_trials(motions, arguments.rate_hz, *filters) if motions else []

@@ -8,7 +8,7 @@ from rich.progress import Progress
 
 from arm.model import Arm
 from fitter.commands.arm_option import questioned_arm
-from fitter.commands.options import add_arm, add_columns, add_out, at_least, make_room, positive
+from fitter.commands.options import add_arm, add_as_tracked, add_columns, add_out, at_least, make_room, positive
 from fitter.data.trial import Role
 from fitter.regression_sums.reduction import Reduction, reduce_trials
 from fitter.regression_sums.saved_sums import ArmSums, add_sums, load_sums, save_sums
@@ -27,6 +27,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
     making.add_argument("data", nargs="+", type=Path, metavar="DATA", help="trials to learn from: files, folders")
     add_arm(making)
     add_columns(making)
+    add_as_tracked(making)
     making.add_argument("--cutoff-hz", type=positive, metavar="F", help="corner of the filter (found in the data)")
     making.add_argument("--workers", type=at_least(1), default=1, metavar="N", help="processes (1)")
     making.add_argument("--dask", metavar="tcp://…", help="scheduler of a Dask cluster that does it instead")
@@ -65,6 +66,7 @@ def reduced(
             rate_hz=arguments.rate_hz,
             cutoff_hz=arguments.cutoff_hz,
             omitted=omitted,
+            as_tracked=arguments.as_tracked,
             workers=arguments.workers,
             dask=arguments.dask,
             progress=lambda done, files: progress.update(task, completed=done, total=files),

@@ -1,61 +1,47 @@
 """The trials to learn from and those held back: never mixed."""
 
 import argparse
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
 from arm.model import Arm
-from fitter.data.trial import Role, Trial
-from fitter.data.trials import load_trials
-from limbcal.errors import ConfigError
+from fitter.data.motions import Measured
+from fitter.data.trial import Trial
+from fitter.data.trials import read_set, to_trials
+from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
 from protocol.tables.files import expand
 
-#: Reads trials of one role, or all, with the corners of two filters where these are chosen already.
-Load = Callable[[Sequence[Path], Role | None, tuple[float, float] | None], list[Trial]]
+#: Corners of the filter of derived columns and of the fit's own [Hz]; None where they are to be chosen.
+Filters = tuple[float | None, float | None]
 
 
-def load_set(
-    arguments: argparse.Namespace,
-    arm: Arm,
-    sources: Sequence[Path],
-    role: Role | None,
-    filters: tuple[float | None, float | None],
-) -> list[Trial]:
-    """Read a set of trials by the options for columns and rate, see `fitter.data.trials.load_trials`.
+def motions_of(arguments: argparse.Namespace, arm: Arm, sources: Sequence[Path]) -> list[Measured]:
+    """Read a set by the options for columns, rate and recordings, see `fitter.data.trials.read_set`."""
+    return read_set(
+        sources,
+        arm.n_joint,
+        arguments.columns,
+        rate_hz=arguments.rate_hz,
+        arm=arm,
+        as_tracked=arguments.as_tracked,
+    )
+
+
+def trial_sets(
+    arguments: argparse.Namespace, arm: Arm, learn: Sequence[Path], filters: Filters
+) -> tuple[list[Trial], list[Trial]]:
+    """Read the trials to learn from and those of ``--evaluate``; recordings whose motions have roles give both.
+
+    Without ``--evaluate``, motions that a recording marks as evaluating are held back.
 
     Parameters
     ----------
     arguments : argparse.Namespace
     arm : Arm
-    sources : sequence of Path
-    role : {"learn", "evaluate"} or None
-    filters : (float or None, float or None)
-        Corners of the filter of derived columns and of the fit's own [Hz].
-    """
-    cutoff_hz, band_hz = filters
-    return load_trials(
-        sources,
-        arm.n_joint,
-        arguments.columns,
-        rate_hz=arguments.rate_hz,
-        cutoff_hz=cutoff_hz,
-        band_hz=band_hz,
-        role=role,
-        arm=arm,
-    )
-
-
-def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> tuple[list[Trial], list[Trial]]:
-    """Read both sets; recordings whose motions have roles give both.
-
-    Parameters
-    ----------
-    load : callable
-        Given sources, a role and filters, returns trials.
-    learn, evaluate : sequence of Path
-        Without ``evaluate``, motions that a recording marks as evaluating are held back.
+    learn : sequence of Path
+    filters : Filters
 
     Returns
     -------
@@ -66,18 +52,25 @@ def trial_sets(load: Load, learn: Sequence[Path], evaluate: Sequence[Path]) -> t
     ------
     ConfigError
         If a file is in both sets.
+    DataError
+        If nothing can be learnt from.
     """
-    require_apart(learn, evaluate)
-    trials = load(learn, None, None)
-    held_back = [trial for trial in trials if trial.role == "evaluate"]
-    if evaluate:
-        return _numbered(trials, load(evaluate, None, _filters(trials)))
-    if not held_back:
-        return _numbered(trials, [])
-    trials = load(learn, "learn", None)
-    cutoff_hz, band_hz = _filters(trials)
-    # Frames come with their derivatives: nothing in them was filtered yet.
-    return _numbered(trials, [replace(trial, cutoff_hz=cutoff_hz, band_hz=band_hz) for trial in held_back])
+    require_apart(learn, arguments.evaluate)
+    motions = motions_of(arguments, arm, learn)
+    held_back = [] if arguments.evaluate else evaluating(motions)
+    learning = motions if arguments.evaluate else [motion for motion in motions if motion.role != "evaluate"]
+    if not learning:
+        raise DataError(f"{', '.join(map(str, learn))}: no trial with role 'learn' in it")
+    trials = to_trials(learning, arguments.rate_hz, *filters)
+    if arguments.evaluate:
+        held_back = motions_of(arguments, arm, arguments.evaluate)
+    corners = trials[0].cutoff_hz, trials[0].band_hz
+    return _numbered(trials, to_trials(held_back, arguments.rate_hz, *corners) if held_back else [])
+
+
+def evaluating(motions: Sequence[Measured]) -> list[Measured]:
+    """Return the motions that a recording marks as evaluating."""
+    return [motion for motion in motions if motion.role == "evaluate"]
 
 
 def _numbered(learn: Sequence[Trial], evaluate: Sequence[Trial]) -> tuple[list[Trial], list[Trial]]:
@@ -96,10 +89,6 @@ def with_notes(answer: Mapping[str, object], notes: Sequence[Note]) -> dict[str,
     own = answer.get("notes", [])
     assert isinstance(own, list)
     return {**answer, "notes": [*documents(notes), *own]}
-
-
-def _filters(trials: Sequence[Trial]) -> tuple[float, float]:
-    return trials[0].cutoff_hz, trials[0].band_hz
 
 
 def require_apart(learn: Sequence[Path], evaluate: Sequence[Path]) -> None:

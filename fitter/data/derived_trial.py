@@ -73,6 +73,7 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         trimmed=trim,
         began_s=motion.began_s + trim * dt_s,
         contradicted=None if marked is None else marked[inner] > _CONTRADICTED_SHARE,
+        draws=None if measured.draws is None or derived else measured.draws,
         drives=None if drives is None else drives.rows(inner),
         label=measured.label,
         piece_of=measured.piece_of,

@@ -15,6 +15,8 @@ Floats = NDArray[np.float64]
 #: Readings are averaged over so long before a motion is estimated anew from all of them [s]: an arm's motion has
 #: next to nothing above 100 Hz.
 STEP_S = 0.004
+#: So much of the rest before a motion counts [s]: offsets drawn from it are by far better known than they last.
+REST_S = 2.0
 
 
 @dataclass(frozen=True)
@@ -47,10 +49,12 @@ def felt_of(blocks: Sequence[Mapping[str, Any]], after_ns: float, begin_ns: int,
     blocks : sequence of mapping
         Fields of `limb/frames` in order.
     after_ns : float
-        Readings until then belong to the motion before.
+        Readings until then belong to the motion before; those of longer than `REST_S` before the motion do not
+        count either.
     begin_ns, end_ns : int
         When the motion began and ended.
     """
+    after_ns = max(after_ns, begin_ns - REST_S * 1e9)
     blocks = [block for block in blocks if block["t0_ns"] > after_ns and block["t0_ns"] <= end_ns]
     if not blocks or any(block.get("a") is None for block in blocks) or blocks[-1].get("a_noise") is None:
         return None

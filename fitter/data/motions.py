@@ -14,6 +14,7 @@ from protocol.tables import stamps
 from protocol.tables.columns import JOINT_ROLES, TIP_ROLES, ColumnMap
 from protocol.tables.reader import read_tables
 from protocol.tables.table import Table
+from tracking.model.draws import Draws
 
 Floats = NDArray[np.float64]
 Labels = NDArray[np.str_]
@@ -50,6 +51,8 @@ class Measured:
         What the sensors read from the rest before it to the rest after it, where that came along.
     piece_of : str
         The name of the trial that it is a piece of, if that was parted.
+    draws : Draws or None
+        The motion as it may have been, where its tracker says so.
     """
 
     name: str
@@ -63,6 +66,7 @@ class Measured:
     stated: frozenset[str] = frozenset()
     felt: Felt | None = None
     piece_of: str = ""
+    draws: Draws | None = None
 
     @property
     def label(self) -> str:
@@ -85,6 +89,7 @@ class Measured:
             (*self.notes, *notes),
             None if self.labels is None else self.labels[begin:end],
             self.stated,
+            draws=None if self.draws is None else self.draws.rows(slice(begin, end)),
         )
 
     def piece(self, begin: int, end: int, k: int, *notes: Note) -> "Measured":

@@ -7,7 +7,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.model import Arm
 from fitter.data.blocks import read_blocks
+from fitter.data.estimated_again import recorded_motions
 from fitter.data.motions import Measured
 from fitter.data.recordings import by_run, read_frames
 from fitter.data.resample import Uniform, resample, split_at_holes
@@ -45,6 +47,8 @@ class Reading:
         Joint values of a longer motion are reduced stretch by stretch.
     omitted : {"learn", "evaluate"}, optional
         Motions of recordings with this role are passed over.
+    again : Arm, optional
+        Motions of recordings are estimated again as this arm's; as the tracker gave them out unless given.
     """
 
     columns: str | None = None
@@ -53,6 +57,7 @@ class Reading:
     band_hz: float = np.inf
     stretch: int = STRETCH_VALUES
     omitted: Role | None = "evaluate"
+    again: Arm | None = None
 
 
 def find_corner_hz(
@@ -98,7 +103,8 @@ def stretches_of(
     """
     path = files[0]
     if path.suffix.lower() in RECORDINGS:
-        for motion in read_frames(files, n_joint):
+        again = reading.again
+        for motion in read_frames(files, n_joint) if again is None else recorded_motions(files, again):
             if reading.omitted is None or motion.role != reading.omitted:
                 yield Stretch(motion, slice(0, len(motion.t)), True, True)
         return

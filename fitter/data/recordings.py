@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from fitter.data.block_times import block_times
 from fitter.data.drift import dead_reckoned, without_drift
+from fitter.data.felt import Felt, felt_of
 from fitter.data.motions import Measured
 from fitter.data.uncertain_motion import with_uncertain_marked
 from limbcal.errors import DataError
@@ -124,13 +125,34 @@ def read_frames(files: Sequence[Path], n_joint: int) -> list[Measured]:
         left = Note("drift", f"the recording ends before the motion does: its drift is left in it ({said})")
     whole = Measured(path.stem, where, 0, t, columns, notes=notes)
     if not windows:
-        return [with_uncertain_marked(whole, lost)]
+        return [_marked(whole, lost)]
     motions: list[Measured] = []
+    before: Window | None = None
     for window in windows:
         begin, end = np.searchsorted(t, [window.begin_s, window.end_s + 0.5 * _NS]).tolist()
         motion = whole.rows(begin, end, window.name, left if window.broken_off else taken)
-        motions.append(with_uncertain_marked(replace(motion, role=window.role), lost[begin:end]))
+        motion = _marked(motion, lost[begin:end])
+        motions.append(replace(motion, role=window.role, felt=_felt(blocks, window, before, start_ns)))
+        before = window
     return [motion for motion in motions if len(motion.t)]
+
+
+def _marked(motion: Measured, lost: NDArray[np.bool_]) -> Measured:
+    claims = {name: motion.columns[_CLAIM] for name in ("q",) if _CLAIM in motion.columns}
+    return with_uncertain_marked(motion, lost, claims)
+
+
+def _felt(blocks: Sequence[Fields], window: Window, before: Window | None, start_ns: int) -> Felt | None:
+    """Return what the sensors read around a motion, if it ended; its times are of the recording's clock."""
+    if window.broken_off:
+        return None
+    begin_ns, end_ns = (start_ns + round(at_s / _NS) for at_s in (window.begin_s, window.end_s))
+    after_ns = -np.inf if before is None else start_ns + round(before.end_s / _NS)
+    try:
+        felt = felt_of(blocks, after_ns, begin_ns, end_ns)
+    except (LookupError, TypeError, ValueError) as error:
+        raise DataError(f"{window.name}: the readings of a block do not fit ({error})") from error
+    return None if felt is None else replace(felt, t_s=felt.t_s + window.begin_s)
 
 
 def read_raw_blocks(files: Sequence[Path], n_channel: int, n_gyro: int = 0) -> tuple[Floats, Floats]:

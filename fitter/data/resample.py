@@ -164,7 +164,8 @@ def resample(motion: Measured, rate_hz: float | None = None) -> Uniform:
             f"{motion.where}: trial {motion.name!r} has {len(grid)} samples at {1.0 / dt_s:.6g} Hz, "
             f"expected at least {MINIMUM_SAMPLES}"
         )
-    resampled = replace(motion, t=grid, columns=columns, notes=(*motion.notes, note))
+    notes = (*motion.notes, note)
+    resampled = replace(motion, t=grid, columns=columns, notes=notes, draws=None)  # which are of other instants
     return Uniform(resampled, dt_s, float(motion.t[0]))
 
 

@@ -7,6 +7,7 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.derived_trial import derive
+from fitter.data.estimated_again import recorded_motions
 from fitter.data.motions import Measured, read_motions
 from fitter.data.plausibility.questions import questioned
 from fitter.data.recordings import by_run, read_frames
@@ -28,8 +29,9 @@ def load_trials(
     band_hz: float | None = None,
     role: Role | None = None,
     arm: Arm | None = None,
+    as_tracked: bool = False,
 ) -> list[Trial]:
-    """Read a set of trials.
+    """Read a set of trials, see `read_set` and `to_trials`.
 
     A file is one trial, or several if it has a column ``trial``, cells (``.mat``) or announced motions
     (recordings, those of one run read as one). Missing derivatives are computed without a phase shift; then every
@@ -55,7 +57,10 @@ def load_trials(
     role : {"learn", "evaluate"}, optional
         From recordings, take only trials of this role. Trials of other files have none and are all taken.
     arm : Arm, optional
-        Whose motion the files say they hold: they are questioned, see `fitter.data.plausibility`.
+        Whose motion the files say they hold: they are questioned, see `fitter.data.plausibility`. Motions of
+        recordings are estimated again from their readings, see `fitter.data.estimated_again`.
+    as_tracked : bool
+        Take the motions of recordings as the tracker gave them out instead.
 
     Returns
     -------
@@ -69,22 +74,35 @@ def load_trials(
     DataError
         If a file cannot be read or used: one sentence with file, column and row.
     """
-    for name, corner in (("cutoff_hz", cutoff_hz), ("band_hz", band_hz)):
-        if corner is not None and not corner > 0.0:
-            raise ConfigError(f"{name} is {corner}, expected a number above 0")
+    motions = read_set(sources, n_joint, columns, rate_hz=rate_hz, arm=arm, as_tracked=as_tracked)
+    chosen = [motion for motion in motions if role in (None, motion.role) or motion.role is None]
+    if not chosen:
+        raise DataError(f"{', '.join(map(str, sources))}: no trial with role {role!r} in it")
+    return to_trials(chosen, rate_hz, cutoff_hz, band_hz)
+
+
+def read_set(
+    sources: Sequence[Path],
+    n_joint: int,
+    columns: str | None = None,
+    *,
+    rate_hz: float | None = None,
+    arm: Arm | None = None,
+    as_tracked: bool = False,
+) -> list[Measured]:
+    """Read the motions of a set as they were measured; parameters as for `load_trials`."""
     mapping = parse_mapping(columns, n_joint)
     motions: list[Measured] = []
-    files = expand(sources)
-    for together in by_run(files):
+    for together in by_run(expand(sources)):
         path = together[0]
         if path.suffix.lower() in RECORDINGS:
-            motions += [motion for motion in read_frames(together, n_joint) if role in (None, motion.role)]
+            motions += (
+                read_frames(together, n_joint) if arm is None else recorded_motions(together, arm, as_tracked)
+            )
         else:
             read = read_motions(path, n_joint, mapping, rate_hz, required=("q",))
             motions += read if arm is None else questioned(read, arm)
-    if not motions:
-        raise DataError(f"{', '.join(map(str, files))}: no trial with role {role!r} in it")
-    return to_trials(motions, rate_hz, cutoff_hz, band_hz)
+    return motions
 
 
 def to_trials(
@@ -94,6 +112,9 @@ def to_trials(
     band_hz: float | None = None,
 ) -> list[Trial]:
     """Put motions on uniform grids and fill in what a fit needs; parameters as for `load_trials`."""
+    for name, corner in (("cutoff_hz", cutoff_hz), ("band_hz", band_hz)):
+        if corner is not None and not corner > 0.0:
+            raise ConfigError(f"{name} is {corner}, expected a number above 0")
     uniform = [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
     cutoff_hz = choose_cutoff_hz(uniform) if cutoff_hz is None else cutoff_hz
     longest_s = max((len(motion.measured.t) * motion.dt_s for motion in uniform), default=np.inf)

@@ -6,6 +6,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from arm.model import Arm
+from fitter.data.estimated_again import estimated_again, follower_of
 from fitter.data.first_rest import displacement
 from fitter.data.measured_tip import with_measured_tip
 from fitter.data.motions import Measured, require_rising
@@ -18,9 +19,7 @@ from fitter.kinematics.found_geometry import fit_of
 from fitter.kinematics.incremental import IncrementalKinematics
 from fitter.kinematics.kinematics_fit import KinematicsFit
 from fitter.kinematics.tip_error import TipScore, tip_score
-from fitter.live.estimated_again import estimated_again
 from limbcal.errors import DataError, LimbcalError
-from tracking.smoother.motion_follower import MotionFollower
 
 #: Generations that are bred on a new motion before the best geometry is brought to its optimum.
 _LITTER = 26
@@ -54,9 +53,7 @@ class Calibration:
         self.geometry = IncrementalKinematics(self.arm, self.seed)
         self._fresh = 0
         self._known: KinematicsFit | None = None
-        tip = self.arm.tip
-        seen = () if tip is None else (self.arm.sensor_index(tip.sensor),)
-        self._follower = MotionFollower(self.arm, self.seed, seen)
+        self._follower = follower_of(self.arm, self.seed)
 
     def add(self, motion: Measured) -> Trial:
         """Take in a motion: its frames go into the sums of the geometry if it is a learning one.
@@ -73,13 +70,9 @@ class Calibration:
             if not np.isfinite(values).all():
                 raise DataError(f"{name} holds a value that is not finite, expected numbers")
         require_rising(motion)
-        draws = None
-        if motion.role != "evaluate" and motion.felt is not None:
-            motion, draws = estimated_again(self._follower, motion, motion.felt)
+        motion = estimated_again(self._follower, motion)
         pieces = to_trials([motion], cutoff_hz=np.inf)  # several where messages were missed
         trial = max(pieces, key=lambda piece: len(piece.t))
-        if draws is not None and len(trial.t) == len(motion.t):
-            trial = replace(trial, draws=draws)
         trial = with_measured_tip(self.arm, trial) if self.arm.tip is not None else trial
         if trial.role == "evaluate":
             self.evaluate.append(trial)

@@ -8,14 +8,14 @@ import numpy as np
 
 from fitter.data.block_times import block_times
 from fitter.data.drift import DriftCorrection, dead_reckoned
-from fitter.data.felt import felt_of
+from fitter.data.felt import REST_S, felt_of
 from fitter.data.motions import Measured
 from limbcal.errors import ProtocolError
 from limbcal.note import Note
 from protocol.message import FRAMES, TRIAL
 
-#: Frames before a motion's beginning are kept for at most this long [s].
-_MEMORY_S = 2.0
+#: Frames are kept for at most this long before a motion is announced, which is up to a second after it began [s].
+_MEMORY_S = REST_S + 1.0
 _COLUMNS = ("q", "dq", "ddq", "points")
 
 

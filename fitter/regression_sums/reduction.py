@@ -76,6 +76,7 @@ def reduce_trials(
     rate_hz: float | None = None,
     cutoff_hz: float | None = None,
     omitted: Role | None = "evaluate",
+    as_tracked: bool = False,
     rest_speed: float = REST_SPEED,
     workers: int = 1,
     dask: str | None = None,
@@ -93,7 +94,7 @@ def reduce_trials(
         Its geometry, gravity and control law.
     sources : sequence of Path
         Files and folders.
-    columns, rate_hz, cutoff_hz
+    columns, rate_hz, cutoff_hz, as_tracked
         As in `fitter.data.trials.load_trials`.
     omitted : {"learn", "evaluate"}, optional
         Trials that a recording marks so are omitted; None where trials of other files are held back.
@@ -118,7 +119,9 @@ def reduce_trials(
         if samples is not None:
             said = f"the corner of {cutoff_hz:.4g} Hz was found in the first {samples} samples"
             notes.append(Note("filtered", said))
-    reading = Reading(columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz, omitted=omitted)
+    reading = Reading(
+        columns, rate_hz, cutoff_hz, FIT_CORNER * cutoff_hz, omitted=omitted, again=None if as_tracked else arm
+    )
     parts: list[TorqueSums] = []
     trials: list[str] = []
     work, runs = partial(reduce_file, arm, rest_speed, reading), by_run(files)

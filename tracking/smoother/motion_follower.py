@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from arm.kinematics import sensor_positions
 from arm.model import Arm, Floats
+from limbcal.errors import DataError
 from tracking.model.course import Course
 from tracking.model.draws import DRAWS, Draws
 from tracking.model.expected_readings import room_of
@@ -88,10 +89,15 @@ class MotionFollower:
         Raises
         ------
         DataError
-            If no motion of the arm explains the readings.
+            If no motion of the arm explains the readings, or they are of other sensors.
         """
         if readings.values.shape[1] < self._arm.n_channel:  # dead reckoning gives out no gyroscopes
             self._arm = self._arm.with_gyroscopes(())
+        if readings.values.shape[1] != self._arm.n_channel:
+            found, expected = readings.values.shape[1], self._arm.n_channel
+            raise DataError(
+                f"readings of {found} channels, expected {expected} as {self._arm.name!r}'s sensors have"
+            )
         n, n_channel = self._arm.n_joint, readings.values.shape[1]
         smoother = Smoother(self._arm, q, False)
         start = self._start(smoother, readings, q, q_std)

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.data.felt import felt_of
+from fitter.data.felt import REST_S, felt_of
 
 
 def block(frame0, n=10, **more):
@@ -105,3 +105,9 @@ def test_without_a_claim_of_noise_there_is_none():
     blocks = [numbered(0), numbered(10, a_noise=None)]
     assert felt_of(blocks, -np.inf, 0, 10**9) is None
     assert felt_of([numbered(0, a_noise=None), numbered(10)], -np.inf, 0, 10**9) is not None
+
+
+def test_a_long_rest_counts_for_its_last_seconds():
+    felt = felt_of([block(k) for k in range(0, 6000, 10)], -np.inf, 5_000_000_000, 5_900_000_000)
+    assert felt.q[0] == 1000.0 * (5.0 - REST_S) + 10.0  # of the first block that begins within them
+    assert felt.t_s[0] == pytest.approx(-REST_S + 0.01 + 0.0015)

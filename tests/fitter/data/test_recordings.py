@@ -146,7 +146,7 @@ def test_a_recording_without_announcements_is_one_motion(tmp_path):
 
 
 def test_no_trial_of_a_role(tmp_path):
-    path = record(tmp_path / "run.mcap", [(FRAMES, frames(k)) for k in range(0, 100, BLOCK)])
+    path = announced(tmp_path, phase(1, "begin", 50, "evaluate"), phase(1, "end", 100, "evaluate"))
     with pytest.raises(DataError, match="no trial with role 'learn'"):
         load_trials([path], 2, role="learn")
 

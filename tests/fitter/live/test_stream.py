@@ -140,11 +140,11 @@ def test_a_daemon_that_starts_anew_shares_nothing_with_the_one_before():
 
 def test_no_more_is_kept_than_the_next_motion_may_need():
     assembler, _ = motions(stretch(0, 10_000))
-    assert len(assembler._blocks) <= 22
+    assert len(assembler._blocks) <= 32
     assembler, _ = motions([phase(1, "begin", 0), *stretch(0, 10_000)])
     assert len(assembler._blocks) == 100
     assembler.feed(*phase(1, "end", 9000))
-    assert len(assembler._blocks) <= 22
+    assert len(assembler._blocks) <= 32
 
 
 def test_lost_samples_are_noted_where_they_were_lost():

@@ -1,15 +1,20 @@
 """Motions estimated again from the readings that come with frames, and intervals that hold because of it."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from arm.base_parameters import base_parameters
 from arm.regressor import standard_parameters
+from fitter.data.estimated_again import recorded_motions
 from fitter.data.felt import STEP_S
+from fitter.data.recordings import read_frames
 from fitter.dynamics.fit import fit_dynamics
 from fitter.live.calibration import Calibration
 from fitter.live.stream import MotionAssembler
-from protocol.message import FRAMES, TRIAL
+from protocol.message import FRAMES, TRIAL, encode
+from protocol.recording import RecordingWriter
 from tracking.model.draws import DRAWS
 from tracking.tracker import tracker_of
 
@@ -35,6 +40,15 @@ def messages(short_run, method, with_readings=True):
             yield TRIAL, {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
 
 
+def recorded(short_run, path, method, without=()):
+    """Record what a daemon tells; frames of the blocks in ``without`` are lost."""
+    with RecordingWriter(path, "schema = 1", "", clock=lambda: 0.0) as writer:
+        for number, (topic, fields) in enumerate(messages(short_run, method)):
+            if topic == TRIAL or number not in without:
+                writer.write(topic, encode(topic, fields)[1], number)
+    return path
+
+
 def learnt(short_run, method, with_readings=True):
     assembler, calibration = MotionAssembler(), Calibration(short_run.arm)
     stages = []
@@ -52,9 +66,9 @@ def calibrated(short_run, request):
     return learnt(short_run, request.param)
 
 
-def test_learning_motions_have_draws(calibrated):
+def test_all_motions_have_draws(calibrated):
     calibration, _ = calibrated
-    for trial in calibration.learn:
+    for trial in (*calibration.learn, *calibration.evaluate):
         assert trial.dt_s == pytest.approx(STEP_S)
         assert trial.draws is not None and trial.draws.q.shape == (DRAWS, *trial.q.shape)
 
@@ -90,3 +104,44 @@ def test_without_readings_one_motion_claims_nothing(short_run):
         assert not any(p.identifiable or np.isfinite(p.std) for p in fit.parameters.values())
     for fit in stages[1]:
         assert {p.freedom for p in fit.parameters.values() if p.identifiable} == {1.0}
+
+
+def test_a_recording_gives_what_the_stream_gives(short_run, calibrated, tmp_path, request):
+    calibration, _ = calibrated
+    method = request.node.callspec.params["calibrated"]
+    motions = recorded_motions([recorded(short_run, tmp_path / "run.mcap", method)], short_run.arm)
+    live = [*calibration.learn, *calibration.evaluate]
+    assert [motion.role for motion in motions] == [trial.role for trial in live]
+    for motion, trial in zip(motions, live, strict=True):
+        np.testing.assert_array_equal(motion.columns["q"], trial.q)
+        np.testing.assert_array_equal(motion.draws.q, trial.draws.q)
+
+
+def test_of_a_motion_estimated_again_more_is_known(short_run, tmp_path):
+    """The drift of dead reckoning goes by rests alone; all readings at once show far more of it."""
+    path = recorded(short_run, tmp_path / "run.mcap", "integrate")
+    tracked, again = read_frames([path], 2)[0], recorded_motions([path], short_run.arm)[0]
+    errors = []
+    for motion in (tracked, again):
+        true = np.stack([np.interp(motion.t, short_run.t, q) for q in short_run.truth["q"].T], axis=1)
+        errors.append(np.sqrt(np.mean((motion.columns["q"] - true) ** 2)))
+    assert errors[1] < 0.75 * errors[0]
+    assert {note.kind for note in again.notes} == {"estimated"} and "drift" in {n.kind for n in tracked.notes}
+
+
+def test_readings_of_other_sensors_leave_a_motion_as_it_was_tracked(short_run, tmp_path):
+    path = recorded(short_run, tmp_path / "run.mcap", "filter")
+    arm = replace(short_run.arm, sensors=short_run.arm.sensors[2:])
+    for tracked, found in zip(read_frames([path], 2), recorded_motions([path], arm), strict=True):
+        np.testing.assert_array_equal(found.columns["q"], tracked.columns["q"])
+        assert found.draws is None
+        assert "readings of 12 channels, expected 6" in found.notes[-1].text
+
+
+def test_instants_that_were_lost_do_not_count(short_run, tmp_path):
+    """Half a second of the first motion is lost."""
+    path = recorded(short_run, tmp_path / "run.mcap", "filter", without=range(14, 17))
+    motion = recorded_motions([path], short_run.arm)[0]
+    lost = np.flatnonzero(motion.columns["contradicted"].any(axis=1))
+    assert {note.kind for note in motion.notes} >= {"uncertain", "estimated"}
+    assert 0 < len(lost) < 0.5 * len(motion.t)
