@@ -115,8 +115,8 @@ def _sums(arguments: argparse.Namespace, arm: Arm) -> tuple[ArmSums, tuple[Note,
 def _evaluating(arguments: argparse.Namespace, arm: Arm, filters: Filters) -> list[Trial]:
     """Return the trials of ``--evaluate``, or else those that recordings hold back themselves."""
     if arguments.evaluate:
-        motions = motions_of(arguments, arm, arguments.evaluate)
+        held_back = motions_of(arguments, arm, arguments.evaluate)
     else:
         recordings = [path for path in expand(arguments.learn) if path.suffix.lower() in RECORDINGS]
-        motions = evaluating(motions_of(arguments, arm, recordings))
-    return to_trials(motions, arguments.rate_hz, *filters) if motions else []
+        held_back = evaluating(motions_of(arguments, arm, recordings)) if recordings else []
+    return to_trials(held_back, arguments.rate_hz, *filters) if held_back else []

@@ -8,6 +8,7 @@ import scipy.io
 
 from arm.model import Arm, Joint
 from fitter.commands.diagnosis_sets import add_sets, require_other_samples, sets_of
+from fitter.commands.options import add_as_tracked, add_columns
 from fitter.data.motion_file import write_motion
 from limbcal.errors import ConfigError
 
@@ -18,7 +19,8 @@ T = 0.01 * np.arange(300)
 def parsed(*given):
     parser = argparse.ArgumentParser()
     parser.add_argument("learn", nargs="+")
-    parser.add_argument("--columns")
+    add_columns(parser)
+    add_as_tracked(parser)
     add_sets(parser)
     return sets_of(parser.parse_args([str(one) for one in given]))
 
