@@ -106,7 +106,7 @@ def target_of(arm: Arm, trial: Trial) -> Floats:
     kp = gains(arm.control, arm.n_joint)[0]
     missing = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq) - torque_target(arm, trial)
     target = np.tile(trial.q[:start].mean(axis=0) if start else trial.q[0], (len(trial.q), 1))
-    moving = trial.dq[start:] != 0.0
+    moving = (trial.dq[start:] != 0.0) & trial.counted[start:]
     mean = np.sum(missing[start:] * moving, axis=0) / np.maximum(np.count_nonzero(moving, axis=0), 1)
     target[start:] = np.where(kp != 0.0, mean / np.where(kp != 0.0, kp, 1.0), target[start:])
     return target

@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.model import Arm
 from fitter.data.motions import Measured
+from fitter.data.plausibility.saturated import CONTRADICTED
 from fitter.data.torque_target import target_of
 from fitter.data.trial import Trial
 from fitter.data.trials import to_trials
@@ -74,6 +75,8 @@ def with_target(arm: Arm, trial: Trial, source: Measured | None = None) -> Measu
         columns["tau"] = trial.tau
     elif arm.control.law != "measured":
         columns["ref"] = target_of(arm, trial)
+    if trial.contradicted is not None:
+        columns[CONTRADICTED] = trial.contradicted.astype(np.float64)
     where, first_row = ("stream", 0) if source is None else (source.where, source.first_row)
     start_s = trial.began_s if source is not None else 0.0
     notes = (*trial.notes, Note("hint", HINT))

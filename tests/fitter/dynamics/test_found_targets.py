@@ -8,6 +8,7 @@ import pytest
 from arm.arm_file import load_arm
 from arm.model import Control
 from fitter.data.motions import Measured
+from fitter.data.plausibility.saturated import CONTRADICTED
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 
 ARM = load_arm("dd-arm")
@@ -32,6 +33,20 @@ def test_targets_are_found_and_everything_else_stays(motions, bench_trials):
         assert np.abs(motion.columns["ref"][-1] - trial.ref[-1]).max() < 2e-3
         assert motion.notes[-1].text == HINT
         assert not lacks_torque(ARM, motion)
+
+
+def test_instants_that_do_not_count_have_no_say_in_a_target(motions):
+    """Nor do they count later: an angle that is a guess for a while leaves the target where it was."""
+    learn, evaluate = motions
+    guessed = np.zeros_like(evaluate[0].columns["q"])
+    middle = slice(len(guessed) // 2, len(guessed) // 2 + 200)
+    guessed[middle] = 1.0
+    columns = {**evaluate[0].columns, CONTRADICTED: guessed}
+    columns["q"] = columns["q"] + guessed
+    (found,) = with_found_targets(ARM, learn, [replace(evaluate[0], columns=columns)])[1]
+    (plain,) = with_found_targets(ARM, learn, evaluate)[1]
+    assert np.abs(found.columns["ref"][-1] - plain.columns["ref"][-1]).max() < 1e-3
+    np.testing.assert_array_equal(found.columns[CONTRADICTED], guessed)
 
 
 def test_motions_that_tell_their_torque_stay_as_they_are(motions):
