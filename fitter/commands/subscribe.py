@@ -110,7 +110,7 @@ def _follow(
     stack.callback(inbox.close)
     inbox.start()  # from here on nothing is lost, whatever takes its time: compiling, learning, diagnosing
     notes: list[Note] = []
-    stream = CompleteStream(inbox, lambda note: _tell(note, notes))
+    stream = CompleteStream(inbox, lambda note: _tell(note, notes), arm_name=None if arm is None else arm.name)
     stack.callback(stream.close)
     first = None
     if arm is None:
