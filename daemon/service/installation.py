@@ -2,7 +2,7 @@
 
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -14,6 +14,9 @@ _HERE = Path(__file__).resolve().parents[2]
 _SOURCES = (_HERE / "systemd", _HERE / "examples", Path(sys.prefix) / "share/limbcal/systemd")
 #: What the units call by this path is called where it really is.
 _BIN = "/opt/limbcal/.venv/bin"
+#: What `ProtectHome=` hides from a service, whoever its user is (systemd.exec(5)).
+_HOMES = (Path("/home"), Path("/root"), Path("/run/user"))
+_HIDDEN, _SHOWN = "ProtectHome=yes", "ProtectHome=tmpfs"
 _NEXT = (
     "systemd-sysusers",
     "udevadm control --reload",
@@ -80,7 +83,8 @@ def install(prefix: Path, dry_run: bool = False, remove: bool = False) -> Mappin
 
 
 def _lay_down(target: Path, piece: _Piece, dry_run: bool) -> str:
-    text = re.sub(rf"{_BIN}/(\w+)", _called, _source(piece.source).read_text(encoding="utf-8")).encode()
+    unit = re.sub(rf"{_BIN}/(\w+)", _called, _source(piece.source).read_text(encoding="utf-8"))
+    text = unit.replace(_HIDDEN, _homes(), 1).encode()
     if target.exists() and (piece.theirs or target.read_bytes() == text):
         return "kept" if piece.theirs else "there already"
     if not dry_run:
@@ -91,7 +95,22 @@ def _lay_down(target: Path, piece: _Piece, dry_run: bool) -> str:
 
 def _called(program: re.Match[str]) -> str:
     """Return a program's path as ExecStart= reads it: it parts words at spaces, and % begins a specifier."""
-    path = Path(sys.executable).parent / program[1]
+    return _quoted(Path(sys.executable).parent / program[1])
+
+
+def _homes() -> str:
+    """Return what a unit sees of homes: nothing, or of an environment that is in one no more than that."""
+    named = {Path(sys.executable).parent, Path(sys.prefix), Path(sys.base_prefix), _HERE}
+    needed = {place for path in named for place in (path, path.resolve()) if _is_below(place, _HOMES)}
+    whole = sorted(place for place in needed if not _is_below(place, needed - {place}))
+    return "\n".join([_SHOWN, *(f"BindReadOnlyPaths={_quoted(place)}" for place in whole)]) if whole else _HIDDEN
+
+
+def _is_below(path: Path, folders: Collection[Path]) -> bool:
+    return any(folder in path.parents for folder in folders)
+
+
+def _quoted(path: Path) -> str:
     return '"' + str(path).replace("%", "%%") + '"'
 
 

@@ -7,6 +7,7 @@ from collections.abc import Mapping, Sequence
 from contextlib import ExitStack
 from dataclasses import dataclass
 from pathlib import Path
+from tempfile import TemporaryFile
 from typing import Any
 
 import zmq
@@ -81,6 +82,7 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
         context.destroy(linger=0)  # also what an interrupt left open
     document = _document(arguments, followed)
     if followed.trouble is not None:
+        followed.trouble.document = document
         raise followed.trouble
     if followed.stopped:  # a stop that was asked for is a success, but what is missing is missing
         _shortfall(followed.session, None)
@@ -98,7 +100,7 @@ def _follow(
     arm = None if arguments.arm is None else questioned_arm(arguments.arm)
     compared = [] if arm is None else load_compared(arguments.compare, arm)
     if arguments.out is not None:
-        _make_directory(arguments.out)  # learning for an hour and then having no place to write would be a pity
+        _require_room(arguments.out)  # learning for an hour and then having no place to write would be a pity
     key = None if arguments.key is None else load_client_key(arguments.key)
     gate = stack.enter_context(gate_of(context, arguments.keys))
     subscriber = stack.enter_context(
@@ -108,7 +110,7 @@ def _follow(
     stack.callback(inbox.close)
     inbox.start()  # from here on nothing is lost, whatever takes its time: compiling, learning, diagnosing
     notes: list[Note] = []
-    stream = CompleteStream(inbox, lambda note: _tell(note, notes))
+    stream = CompleteStream(inbox, lambda note: _tell(note, notes), arm_name=None if arm is None else arm.name)
     stack.callback(stream.close)
     first = None
     if arm is None:
@@ -150,18 +152,27 @@ def _document(arguments: argparse.Namespace, followed: _Followed) -> dict[str, o
     """Write what was learnt; return it."""
     session, trials = followed.session, followed.session.trials(arguments.trials)
     document: dict[str, object] = {"stream": session.report()}
-    if session.calibration.learnt:
-        from fitter.report.results import write_results
-
-        document = write_results(
-            session.calibration, followed.compared, session.report(), arguments.out, dict(trials), followed.notes
-        )
-    document |= {"trials": trials, "notes": documents(followed.notes)}
+    rest: dict[str, object] = {"trials": trials, "notes": documents(followed.notes)}
     if followed.diagnosis is not None:
-        document["diagnosis"] = followed.diagnosis.finding.document()
-        if arguments.out is not None:
+        rest["diagnosis"] = followed.diagnosis.finding.document()
+    try:
+        if session.calibration.learnt:
+            from fitter.report.results import write_results
+
+            document = write_results(
+                session.calibration,
+                followed.compared,
+                session.report(),
+                arguments.out,
+                dict(trials),
+                followed.notes,
+            )
+        if followed.diagnosis is not None and arguments.out is not None:
             write_live_diagnosis(followed.diagnosis, arguments.out)
-    return document
+    except LimbcalError as error:  # what cannot be written is still printed
+        error.document = {**(error.document or document), **rest}
+        raise
+    return document | rest
 
 
 def _shortcoming(
@@ -196,11 +207,14 @@ def _tell(note: Note, notes: list[Note]) -> None:
     say_notes([note])
 
 
-def _make_directory(path: Path) -> None:
+def _require_room(path: Path) -> None:
+    """Make a folder, and write there: some can be entered and take no file."""
     try:
         path.mkdir(parents=True, exist_ok=True)
+        with TemporaryFile(dir=path):
+            pass
     except OSError as error:
-        raise DeviceError(f"{path}: cannot be made a directory: {error.strerror}") from error
+        raise DeviceError(f"{path}: nothing can be written there: {error.strerror}") from error
 
 
 def _nothing_learnt(connect: str, session: Session) -> LimbcalError:

@@ -86,6 +86,15 @@ def target_holds_from(trial: Trial) -> int:
     return begin + settling if begin + settling < len(trial.q) // 2 else begin
 
 
+def start_unknown(arm: Arm, trial: Trial) -> slice:
+    """Return the samples that were averaged from readings before and after an unknown target began to act.
+
+    No torque goes with them. A filter, which smears torque and motion alike, leaves none of them.
+    """
+    begin, averaged = motion_begins(trial), trial.draws is not None and has_unknown_target(arm, trial)
+    return slice(begin, target_holds_from(trial) if averaged else begin)
+
+
 def target_of(arm: Arm, trial: Trial) -> Floats:
     """Return the controller's target: the trial's own, or the one that explains its motion best.
 
@@ -102,11 +111,12 @@ def target_of(arm: Arm, trial: Trial) -> Floats:
     """
     if trial.ref is not None:
         return trial.ref
-    start = motion_begins(trial)
+    unknown = start_unknown(arm, trial)
+    start, known = unknown.start, slice(unknown.stop, None)
     kp = gains(arm.control, arm.n_joint)[0]
     missing = inverse_dynamics(arm, trial.q, trial.dq, trial.ddq) - torque_target(arm, trial)
     target = np.tile(trial.q[:start].mean(axis=0) if start else trial.q[0], (len(trial.q), 1))
-    moving = (trial.dq[start:] != 0.0) & trial.counted[start:]
-    mean = np.sum(missing[start:] * moving, axis=0) / np.maximum(np.count_nonzero(moving, axis=0), 1)
+    moving = (trial.dq[known] != 0.0) & trial.counted[known]
+    mean = np.sum(missing[known] * moving, axis=0) / np.maximum(np.count_nonzero(moving, axis=0), 1)
     target[start:] = np.where(kp != 0.0, mean / np.where(kp != 0.0, kp, 1.0), target[start:])
     return target

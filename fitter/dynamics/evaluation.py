@@ -14,7 +14,7 @@ from arm.newton_euler import inverse_dynamics
 from arm.simulation import simulate
 from fitter.data.derivatives import lowpass
 from fitter.data.standstill import REST_SPEED
-from fitter.data.torque_target import target_of, torque_target
+from fitter.data.torque_target import start_unknown, target_of, torque_target
 from fitter.data.trial import Trial
 from fitter.dynamics.shooting_windows import LONGEST_STEP_S, shooting_windows
 from fitter.regression_sums.trial_sums import moving_all_along
@@ -113,7 +113,9 @@ def torque_rms(arm: Arm, trials: Sequence[Trial]) -> Floats:
             residual = trial.lowpass(tau - explained)
         trim = (len(trial.dq) - len(residual)) // 2
         inner = slice(trim, len(trial.dq) - trim)
-        moving = (trial.dq[inner] != 0.0) & trial.counted[inner]
+        moving = (trial.dq != 0.0) & trial.counted
+        moving[start_unknown(arm, trial)] = False
+        moving = moving[inner]
         square += np.sum(residual**2 * moving, axis=0)
         count += np.count_nonzero(moving, axis=0)
     return np.sqrt(square / np.maximum(count, 1.0))
@@ -126,6 +128,7 @@ def torque_explained(arm: Arm, trials: Sequence[Trial]) -> Floats:
         law = arm.control.law != "measured"
         tau = torque_target(arm, replace(trial, ref=target_of(arm, trial)) if law else trial)
         counts = moving_all_along(trial, slice(0, len(trial.q)), REST_SPEED) & trial.counted
+        counts[start_unknown(arm, trial)] = False  # such trials pass no filter that would spread it
         explained = explained_torque(arm, trial, tau)
         residual_power += np.sum(trial.lowpass(tau - explained) ** 2 * counts, axis=0)
         power += np.sum(trial.lowpass(tau) ** 2 * counts, axis=0)

@@ -34,9 +34,11 @@ class CompleteStream:
     ----------
     inbox : Inbox
     tell : callable
-        Called with a note where something is missed for good.
+        Called with a note where something is missed for good, or the stream is of another arm.
     clock : callable
         Returns seconds that never go back.
+    arm_name : str, optional
+        Whose motions are expected; any arm's unless given.
 
     Attributes
     ----------
@@ -49,11 +51,16 @@ class CompleteStream:
     """
 
     def __init__(
-        self, inbox: Inbox, tell: Callable[[Note], None], clock: Callable[[], float] = time.monotonic
+        self,
+        inbox: Inbox,
+        tell: Callable[[Note], None],
+        clock: Callable[[], float] = time.monotonic,
+        arm_name: str | None = None,
     ) -> None:
         self.missed: dict[str, int] = {}
         self.recovered = self.restarts = 0
         self._inbox, self._tell, self._clock = inbox, tell, clock
+        self._arm_name = arm_name
         self._timeout_ms = 0
         self._run: object = None
         self._arm: object = None
@@ -139,6 +146,11 @@ class CompleteStream:
             return
         if self._run is not None and arm != self._arm:  # motions of two arms are none of either
             raise ConfigError(f"the daemon began anew with arm {arm!r}, expected {self._arm!r} as before")
+        if self._run is None and self._arm_name not in (None, arm):
+            text = (
+                f"its arm is {arm!r}, and --arm is {self._arm_name!r}: what is learnt holds only if both are one"
+            )
+            self._tell(Note("other_arm", text, "stream"))
         self.restarts += self._run is not None
         self._run, self._arm = run, arm
         self._last.clear()

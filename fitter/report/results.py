@@ -26,7 +26,7 @@ from fitter.report.parameter_table import parameter_table
 from fitter.report.provenance import provenance
 from limbcal.command import show, to_json
 from limbcal.digits import plain
-from limbcal.errors import DeviceError
+from limbcal.errors import DeviceError, LimbcalError
 from limbcal.note import Note, of_source
 
 Document = dict[str, object]
@@ -61,8 +61,12 @@ def write_results(
     -------
     dict
         ``stream``, ``kinematics`` and ``dynamics`` as `fitter kinematics` and `fitter dynamics` have them.
+
+    Raises
+    ------
+    DeviceError
+        If it cannot be written; the error has the document.
     """
-    arm = calibration.calibrated()
     (learn, learn_tip), (evaluate, evaluate_tip) = calibration.scores("learn"), calibration.scores("evaluate")
     document: Document = {"stream": dict(stream)}
     geometry = calibration.kinematics()
@@ -72,8 +76,23 @@ def write_results(
         fields = dynamics.document(calibration.dynamics, learn, evaluate)
         document["dynamics"] = fields if made is None else {**fields, "trials": made}
     _show(calibration, document, compared)
-    if out is None:
-        return document
+    if out is not None:
+        try:
+            _write(calibration, document, compared, notes, out)
+        except LimbcalError as error:  # a full disk takes no answer away
+            error.document = document
+            raise
+    return document
+
+
+def _write(
+    calibration: Calibration,
+    document: Document,
+    compared: Sequence[Compared],
+    notes: Sequence[Note],
+    out: Path,
+) -> None:
+    arm = calibration.calibrated()
     try:
         out.mkdir(parents=True, exist_ok=True)
         for part in ("kinematics", "dynamics"):
@@ -92,7 +111,6 @@ def write_results(
         _write_motions(arm, trials, simulated, out / "motions.npz")
         _write_report(calibration, document, compared, simulated, notes, out / "report.html")
         show(f"report: {out / 'report.html'}")
-    return document
 
 
 def _write_motions(

@@ -96,6 +96,8 @@ def _player(
     for name in ("source", "reference", "twin", "trial", "columns"):
         if getattr(arguments, name) is not None:
             raise ConfigError(f"--live and {name} are both given: a live stream is played as it comes")
+    if arguments.once:
+        raise ConfigError("--live and --once are both given: a live stream has no end to leave at")
     if arguments.arm is None:
         say(f"no --arm given: what moves is taken for {DEFAULT_ARM}")
     arm = load_arm(arguments.arm or DEFAULT_ARM)

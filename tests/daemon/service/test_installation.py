@@ -70,6 +70,22 @@ def test_any_folder_may_hold_the_programs(folder: str, tmp_path: Path, monkeypat
 
 
 @analyze
+def test_an_environment_in_a_home_is_seen_by_the_service(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """ProtectHome=yes hides /home, and the program in it with it."""
+    monkeypatch.setattr(sys, "prefix", "/home/two words/100%u")
+    install(tmp_path)
+    for unit in UNITS:
+        path = tmp_path / "etc/systemd/system" / unit
+        lines = path.read_text().splitlines()
+        assert 'BindReadOnlyPaths="/home/two words/100%%u"' in lines
+        assert "ProtectHome=tmpfs" in lines and "ProtectHome=yes" not in lines
+        verified = subprocess.run(
+            ["systemd-analyze", "verify", str(path)], check=False, capture_output=True, text=True
+        )
+        assert [line for line in verified.stderr.splitlines() if unit in line] == []
+
+
+@analyze
 @pytest.mark.parametrize("unit", UNITS)
 def test_a_unit_is_clean_and_shut(unit: str, tmp_path: Path) -> None:
     main(["install", "--prefix", str(tmp_path)])

@@ -202,10 +202,20 @@ def test_after_a_message_of_another_version_nothing_learnt_is_lost(fitter, strea
         outcome = fitter("subscribe", *common, *LIMIT, "--out", tmp_path)
     assert outcome.code == 2
     assert outcome.errors == ["error: limb/frames: message version is 2, expected 1"]
-    assert outcome.document is None
     assert names(tmp_path) == FILES
     learnt = json.loads((tmp_path / "dynamics.json").read_text())["parameters"]
+    assert outcome.document["dynamics"]["parameters"] == learnt and outcome.document["trials"]["learn"] == 1
     assert learnt["I2"]["value"] == pytest.approx(0.471209, rel=0.02)
+
+
+def test_what_cannot_be_written_is_still_printed(fitter, stream, place, short_run, tmp_path):
+    (tmp_path / "motions.npz").mkdir()
+    with stream("tcp://127.0.0.1:*", until(short_run.messages, 1, "end")) as daemon:
+        common = ("--connect", daemon.endpoint, "--endpoint", f"ipc://{place}/fits", "--arm", "dd-arm")
+        outcome = fitter("subscribe", *common, *LIMIT, "--trials", 1, "--out", tmp_path)
+    assert outcome.code == 3 and "motions.npz: cannot be written" in outcome.errors[0]
+    assert outcome.document["dynamics"]["parameters"]["I2"]["value"] == pytest.approx(0.471209, rel=0.02)
+    assert outcome.document["trials"]["learn"] == 1
 
 
 def test_geometry_alone_is_worth_writing(fitter, stream, place, short_run, tmp_path):

@@ -109,8 +109,14 @@ def test_endpoints_that_cannot_be_used(fitter, place):
 
 def test_a_place_that_cannot_be_written_to_is_told_before_anything_is_followed(fitter, place, tmp_path):
     (tmp_path / "file").write_text("")
-    out = tmp_path / "file" / "below"
-    outcome = fitter("subscribe", "--connect", f"ipc://{place}/nobody", "--arm", "dd-arm", "--out", out)
-    assert outcome.code == 3
-    assert outcome.errors == [f"error: {out}: cannot be made a directory: Not a directory"]
+    # The second is a folder that is there, and takes no file, whoever asks.
+    for out, why in (
+        (tmp_path / "file" / "below", "Not a directory"),
+        (Path("/proc"), "No such file or directory"),
+    ):
+        outcome = fitter(
+            "subscribe", "--connect", f"ipc://{place}/nobody", "--arm", "dd-arm", "--out", out, "--seconds", "0.2"
+        )
+        assert outcome.code == 3
+        assert outcome.errors == [f"error: {out}: nothing can be written there: {why}"]
     assert Path(place).is_dir() and names(Path(place)) == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm
+from arm.bench import Bench, motions
 from arm.effects.resisting_torque import resisting_torque
 from arm.model import Control, Effect, Friction
 from arm.newton_euler import inverse_dynamics
@@ -13,6 +14,7 @@ from fitter.data.trial import Trial
 from fitter.dynamics.evaluation import motion_error, score, torque_explained, torque_rms
 from fitter.kinematics.tip_error import tip_score
 from limbcal.errors import DataError
+from tracking.model.draws import Draws
 
 ARM = load_arm("dd-arm")
 MEASURED = replace(ARM, control=Control())
@@ -51,6 +53,18 @@ def test_restarts_keep_the_error_of_a_measured_torque_small(bench_trials):
 
 def test_a_target_that_nobody_tells_is_estimated(bench_trials):
     assert score(ARM, [replace(trial, ref=None) for trial in bench_trials]).angle_max_deg < 0.1
+
+
+def test_a_start_between_averaged_readings_tells_nothing_of_the_torque():
+    motion = next(motions(ARM, Bench(rate_hz=250.0, learning=1, evaluating=0), seed=0))
+    draws = Draws(*(one[None] for one in (motion.q, motion.dq, motion.ddq)), np.zeros((1, len(motion.t), 1, 3)))
+    trial = Trial("", motion.t, float(motion.t[1]), motion.q, motion.dq, motion.ddq, draws=draws)
+    ddq, dq, start = motion.ddq.copy(), motion.dq.copy(), np.flatnonzero(motion.ddq[:, 1])[0]
+    dq[start] += ddq[start] * trial.dt_s / 8.0  # the mean over a step in whose middle the motion starts
+    ddq[start] *= 0.5
+    averaged = replace(trial, dq=dq, ddq=ddq)
+    assert torque_rms(ARM, [averaged]) == pytest.approx(torque_rms(ARM, [trial]), abs=1e-3)
+    assert torque_explained(ARM, [averaged]) == pytest.approx([1.0, 1.0], abs=1e-5)
 
 
 def test_an_arm_that_runs_away_is_infinitely_wrong(bench_trials):

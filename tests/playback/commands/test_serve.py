@@ -42,6 +42,11 @@ def test_any_other_rate_is_no_mistake(rate: str, capsys: pytest.CaptureFixture[s
     assert "nowhere.csv: there is no such file" in capsys.readouterr().err
 
 
+def test_a_live_stream_has_no_end_to_leave_at(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["serve", "--live", "tcp://127.0.0.1:9", "--arm", "nowhere.toml", "--once"]) == 2
+    assert "--live and --once are both given" in capsys.readouterr().err
+
+
 @pytest.mark.parametrize(
     "option",
     [["a.csv"], ["--reference", "a.csv"], ["--twin", "dd-arm"], ["--trial", "0"], ["--columns", "t=time"]],
