@@ -49,7 +49,7 @@ def _index(n: int, gaps: Sequence[Gap]) -> Floats:
     lost = np.zeros(n)
     for gap in gaps:
         lost[gap.row] = gap.samples
-    return np.arange(n) + np.cumsum(lost)
+    return np.arange(n, dtype=np.float64) + np.cumsum(lost)
 
 
 def _smoothed(late: Floats) -> Floats:
