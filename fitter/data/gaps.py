@@ -5,12 +5,16 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from protocol.tables.stamps import HOLE_STEPS
+
 Floats = NDArray[np.float64]
 
 #: A step this many times the usual one may be a gap; a late stamp looks the same at first.
 SUSPICIOUS = 1.5
 #: Stamps on either side that tell a gap, after which all stamps are late, from one late stamp.
 WITNESSES = 16
+#: Steps of a window, and the least number of windows, that tell an even rate from its stamps' rounding.
+_WINDOW, _WINDOWS = 64, 4
 
 
 @dataclass(frozen=True)
@@ -35,7 +39,7 @@ def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
     Parameters
     ----------
     t : ndarray of shape (n,), n >= 2
-        Rising time stamps [s], equally spaced but for gaps and jitter of up to a fifth of a step.
+        Rising time stamps [s], equally spaced but for gaps, rounding, and jitter of up to a fifth of a step.
 
     Returns
     -------
@@ -45,12 +49,27 @@ def find_gaps(t: Floats) -> tuple[float, tuple[Gap, ...]]:
         A single stamp that came late, with the following ones in time, is no gap.
     """
     steps = np.diff(t)
-    rough = float(np.median(steps))
+    rough = _rough_step(steps)
     suspects = np.flatnonzero(steps > SUSPICIOUS * rough)
     rows = [gap.row for gap in _tell_gaps(t, suspects, rough)]
     gaps = _tell_gaps(t, suspects, _slope(np.split(t, rows), rough))
     lost = sum(gap.samples for gap in gaps)
     return float(t[-1] - t[0]) / (len(t) - 1 + lost), tuple(gaps)
+
+
+def _rough_step(steps: Floats) -> float:
+    """Return the step of an even rate: the median step, but of stamps that were rounded coarsely.
+
+    At 800 Hz in whole milliseconds steps are 1 or 2 ms, and windows of many are alike within one, holes left out;
+    where single samples were lost some windows last longer.
+    """
+    median = float(np.median(steps))
+    short = steps[steps <= HOLE_STEPS * median]
+    spans = short[: len(short) // _WINDOW * _WINDOW].reshape(-1, _WINDOW).sum(axis=1)
+    if len(spans) < _WINDOWS:
+        return median
+    usual = float(np.median(spans))
+    return usual / _WINDOW if np.abs(spans - usual).max() <= median else median
 
 
 def _slope(pieces: list[Floats], rough: float) -> float:

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm
-from fitter.data.gaps import Gap, find_gaps
+from fitter.data.even_rate import evened
+from fitter.data.gaps import Gap
 from fitter.data.leaps import MINIMUM_SAMPLES, split_at_leaps
 from fitter.data.motions import Measured, read_file, require_rising
 from fitter.data.plausibility.readings import look
@@ -229,10 +230,14 @@ def _run(motion: Measured, sensors: Sequence[str]) -> RawRun:
         )
     require_rising(motion)
     gyros = tuple(name for name in sensors if gyro_role(name) in motion.columns)
-    dt_s, gaps = find_gaps(motion.t)
+    stamps = motion.t
+    motion, dt_s, gaps = evened(motion)
     lost = sum(gap.samples for gap in gaps)
     said = f"{lost} samples lost in {len(gaps)} gap(s), nothing put in their place"
-    notes = (Note("gap", said, columns=("t",), row=motion.first_row + gaps[0].row + 1),) if gaps else ()
+    notes: tuple[Note, ...] = ()
+    if gaps:
+        row = int(np.searchsorted(stamps, motion.t[gaps[0].row], side="right"))  # in the file, from 1
+        notes = (Note("gap", said, columns=("t",), row=motion.first_row + row),)
     return RawRun(
         name=motion.name,
         rate_hz=1.0 / dt_s,

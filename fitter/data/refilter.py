@@ -5,9 +5,10 @@ from dataclasses import replace
 
 import numpy as np
 
+from fitter.data.derived_trial import derive
 from fitter.data.motions import Measured
+from fitter.data.resample import Uniform
 from fitter.data.trial import Trial
-from fitter.data.trials import to_trials
 
 #: Factor of the filter's corner with instrumental variables: noise in the columns does not bias these, a filter of
 #: products does. Of 1, 2 and 3 the best on the standard bench under law (5) with 0.2, 1 and 3 % of noise.
@@ -34,6 +35,6 @@ def wider(trial: Trial, factor: float) -> Trial:
         return trial
     t = np.arange(len(trial.whole["q"]), dtype=np.float64) * trial.dt_s
     measured = Measured(trial.name, trial.name, 0, t, dict(trial.whole))
-    found = to_trials([measured], cutoff_hz=factor * trial.cutoff_hz, band_hz=factor * trial.band_hz)[0]
-    began_s = trial.began_s + (found.trimmed - trial.trimmed) * trial.dt_s
-    return replace(found, role=trial.role, number=trial.number, began_s=began_s)
+    on_grid = Uniform(measured, trial.dt_s, trial.began_s - trial.trimmed * trial.dt_s)
+    found = derive(on_grid, factor * trial.cutoff_hz, factor * trial.band_hz)
+    return replace(found, role=trial.role, number=trial.number)

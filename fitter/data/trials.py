@@ -117,10 +117,14 @@ def to_trials(
             raise ConfigError(f"{name} is {corner}, expected a number above 0")
     uniform = [resample(piece, rate_hz) for motion in motions for piece in split_at_holes(motion)]
     cutoff_hz = choose_cutoff_hz(uniform) if cutoff_hz is None else cutoff_hz
-    longest_s = max((len(motion.measured.t) * motion.dt_s for motion in uniform), default=np.inf)
+    require_period(cutoff_hz, max((len(motion.measured.t) * motion.dt_s for motion in uniform), default=np.inf))
+    band_hz = FIT_CORNER * cutoff_hz if band_hz is None else band_hz
+    return [derive(motion, cutoff_hz, band_hz) for motion in uniform]
+
+
+def require_period(cutoff_hz: float, longest_s: float) -> None:
+    """Raise a ConfigError where not even the longest trial of a set [s] holds a period of its filter's corner."""
     if cutoff_hz < 1.0 / longest_s:
         raise ConfigError(
             f"cutoff_hz is {cutoff_hz:g}, expected at least {1.0 / longest_s:.3g}: one period in the longest trial"
         )
-    band_hz = FIT_CORNER * cutoff_hz if band_hz is None else band_hz
-    return [derive(motion, cutoff_hz, band_hz) for motion in uniform]

@@ -13,13 +13,13 @@ from fitter.data.derived_trial import derive
 from fitter.data.plausibility.questions import questioned
 from fitter.data.reading import Reading, find_corner_hz, stretches_of
 from fitter.data.recordings import by_run
-from fitter.data.resample import Uniform
+from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.standstill import REST_SPEED
 from fitter.data.stretches import Stretch
 from fitter.data.torque_target import has_unknown_target
 from fitter.data.trial import Role
 from fitter.data.trial_filter import FIT_CORNER
-from fitter.data.trials import to_trials
+from fitter.data.trials import require_period
 from fitter.parallel.spawned import in_order
 from fitter.regression_sums.running_sums import RunningSums
 from fitter.regression_sums.saved_sums import ArmSums, equation_of
@@ -43,11 +43,14 @@ class Reduced:
         Their names.
     notes : tuple of Note
         What was done to each.
+    longest_s : float
+        Length of the longest of them [s].
     """
 
     sums: TorqueSums | None
     trials: tuple[str, ...]
     notes: tuple[Note, ...]
+    longest_s: float
 
 
 @dataclass(frozen=True)
@@ -124,10 +127,12 @@ def reduce_trials(
     )
     parts: list[TorqueSums] = []
     trials: list[str] = []
+    longest_s = 0.0
     work, runs = partial(reduce_file, arm, rest_speed, reading), by_run(files)
     with closing(in_order(work, runs, workers, dask)) as results:  # closed: whatever happens, no process stays
         for done, reduced in enumerate(results, 1):
             notes += reduced.notes
+            longest_s = max(longest_s, reduced.longest_s)
             if reduced.sums is not None:
                 parts.append(reduced.sums)
                 trials += reduced.trials
@@ -135,6 +140,7 @@ def reduce_trials(
                 progress(done, len(runs))
     if not parts:
         raise DataError(f"{', '.join(map(str, files))}: no learning trial in it")
+    require_period(cutoff_hz, longest_s)
     saved = ArmSums(equation, add_up(parts), tuple(trials))
     return Reduction(saved, cutoff_hz, reading.band_hz, tuple(notes))
 
@@ -152,24 +158,31 @@ def reduce_file(arm: Arm, rest_speed: float, reading: Reading, files: Sequence[P
     trials: list[str] = []
     notes: list[Note] = []
     long: RunningSums | None = None
+    long_s = longest_s = 0.0
     for stretch in stretches_of(files, arm.n_joint, reading):
         if stretch.whole:
-            motions = questioned([stretch.motion], arm)
-            for trial in to_trials(motions, reading.rate_hz, reading.cutoff_hz, reading.band_hz):
+            (motion,) = questioned([stretch.motion], arm)
+            for piece in split_at_holes(motion):
+                uniform = resample(piece, reading.rate_hz)
+                longest_s = max(longest_s, len(uniform.measured.t) * uniform.dt_s)
+                trial = derive(uniform, reading.cutoff_hz, reading.band_hz)
                 parts.append(trial_sums(arm, base, trial, rest_speed))
                 trials.append(trial.name)
                 notes += of_source(trial.notes, trial.name)
             continue
         if long is None:
+            long_s = 0.0
             questioned([stretch.motion], arm)  # what is wrong with a column's unit shows in its beginning
             long = RunningSums(arm.n_joint, len(base.independent))
         said = _add(long, arm, base, rest_speed, reading, stretch)
+        long_s += (stretch.counted.stop - stretch.counted.start) * stretch.step_s
         if stretch.ends:
             parts.append(finished(long))
+            longest_s = max(longest_s, long_s)
             trials.append(stretch.motion.name)
             notes += of_source(said, stretch.motion.name)
             long = None
-    return Reduced(add_up(parts) if parts else None, tuple(trials), tuple(notes))
+    return Reduced(add_up(parts) if parts else None, tuple(trials), tuple(notes), longest_s)
 
 
 def _add(

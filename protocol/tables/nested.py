@@ -187,4 +187,11 @@ def _stamp(text: str) -> np.datetime64:
 
 
 def _texts(row: Array, where: str) -> Labels:
-    return np.array([str(value) for value in row.tolist()], dtype=np.str_)
+    return np.array([_text(value) for value in row.tolist()], dtype=np.str_)
+
+
+def _text(value: object) -> str:
+    """Return a label; nothing where there is none, as in other formats."""
+    if isinstance(value, bytes):
+        return value.decode(errors="replace")
+    return "" if value is None else str(value)

@@ -94,3 +94,12 @@ def test_a_step_of_more_than_a_half_too_long_may_be_a_gap():
     t = np.arange(40.0)
     for late, found in ((0.499, ()), (0.501, (Gap(20, 1),))):
         assert find_gaps(t + np.where(t >= 20.0, late, 0.0))[1] == found
+
+
+def test_stamps_of_800_hz_in_whole_milliseconds_have_no_gap():
+    t = np.round(np.arange(4000) / 800.0, 3)
+    dt_s, gaps = find_gaps(t)
+    assert gaps == ()
+    assert dt_s == pytest.approx(1 / 800, rel=1e-3)
+    t[2000:] += 0.050
+    assert find_gaps(t)[1] == (Gap(2000, 40),)

@@ -45,3 +45,15 @@ def test_it_keeps_measured_velocities_what_is_contradicted_and_its_place_in_the_
     assert np.array_equal(wide.contradicted[:, 0], marked[inner, 0] > 0.0)
     assert (wide.role, wide.number) == ("learn", 3)
     assert wide.began_s == pytest.approx(7.0 + wide.trimmed * wide.dt_s)
+
+
+def test_a_piece_shorter_than_a_period_of_the_corner_is_refiltered(bench_trials):
+    true = bench_trials[0]
+    measured = [
+        Measured(name, name, 0, true.t[:n], {"q": true.q[:n], "tau": true.tau[:n]})
+        for name, n in (("piece", 40), ("rest", len(true.t)))
+    ]
+    piece, _ = to_trials(measured, cutoff_hz=0.4 / (40 * true.dt_s))
+    (wide,) = refiltered([piece])
+    assert len(wide.whole["q"]) == 40
+    assert wide.cutoff_hz == pytest.approx(0.8 / (40 * true.dt_s))

@@ -211,3 +211,13 @@ def test_evaluating_motions_of_a_recording_are_left_out(recording):
 def test_wrong_columns_are_said_before_anything_is_read(folder):
     with pytest.raises(ConfigError, match="no role"):
         reduce_trials(LAW, [folder], columns="nonsense=x")
+
+
+def test_a_file_shorter_than_a_period_of_the_corner_is_reduced(tmp_path, long_motion):
+    named = without(long_motion, "dq", "ddq")
+    for name, rows in (("long", slice(0, 4000)), ("short", slice(4000, 4040))):
+        write_motion(tmp_path / f"{name}.npz", {role: values[rows] for role, values in named.items()})
+    made = reduce_trials(MEASURED, [tmp_path], cutoff_hz=10.0)
+    assert made.saved.trials == ("long", "short")
+    with pytest.raises(ConfigError, match=r"cutoff_hz is 0.1, expected at least 0.125: one period"):
+        reduce_trials(MEASURED, [tmp_path], cutoff_hz=0.1)

@@ -335,3 +335,15 @@ def test_columns_without_cells_are_one_motion(tmp_path):
     path = tmp_path / "run.json"
     path.write_text(json.dumps({"t": [0.0, 0.5, 1.0], "q": [1.0, 2.0, 4.0]}), encoding="utf-8")
     assert [table.tolist() for table in read(path, "t", "q")] == [[[0.0, 1.0], [0.5, 2.0], [1.0, 4.0]]]
+
+
+def test_a_record_without_a_trial_has_no_label(tmp_path):
+    file = nested([{"q": 1, "trial": None}, {"q": 2, "trial": "a"}], tmp_path)
+    (rows,) = file.read({"q": [Column("q")]}, "trial")
+    assert rows.labels.tolist() == ["", "a"]
+
+
+def test_labels_in_bytes_are_text(tmp_path):
+    np.savez(tmp_path / "run.npz", q=[1.0, 2.0], trial=np.array([b"a", b"b"]))
+    (rows,) = open_source(tmp_path / "run.npz").read({"q": [Column("q")]}, "trial")
+    assert rows.labels.tolist() == ["a", "b"]
