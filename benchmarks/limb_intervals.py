@@ -2,9 +2,10 @@
 
     python -m benchmarks.limb_intervals DATA [--simulated N]
 
-Each measured recording is cut into two halves, and each half is fitted by itself. A length's interval by one half
-holds if the other half's length lies in it; a centre's if the other half has it within 1.96 of its stated standard
-deviations, once the markers of its segment lie upon each other. Simulated persons are judged by the truth.
+Each measured recording is cut into two halves, or there is a second one, and each is fitted by itself. A length's
+interval by one holds if the other's length lies in it; a centre's if the other has it within 1.96 of its stated
+standard deviations, once the markers of its segment lie upon each other. Simulated persons are judged by the
+truth.
 """
 
 import argparse
@@ -43,13 +44,15 @@ _BTK = MarkerSet(
 
 @dataclass(frozen=True)
 class Case:
-    """A recording, its marker set, and the limb."""
+    """A recording, its marker set, the limb, and a second recording of it where there is one."""
 
     file: str
     marker_set: str | MarkerSet
     preset: str
+    second: str | None = None
 
 
+_HIPS = "biobuddy/lower_limb_calibration/Test_func_{}hip.c3d"
 CASES = (
     Case("kineticstoolkit/racing_full.c3d", "kineticstoolkit", "human-arm-right"),
     Case("kineticstoolkit/racing_full.c3d", "kineticstoolkit", "human-arm-left"),
@@ -57,6 +60,9 @@ CASES = (
     Case("opencap_subject4/MarkerData/squats1.trc", "opencap", "human-leg-right"),
     Case("opencap_subject4/MarkerData/squats1.trc", "opencap", "human-leg-left"),
     Case("biobuddy/right_knee.c3d", "biobuddy", "human-leg-right"),
+    # in the other leg's trial a hip turns under the trunk that sways
+    Case(_HIPS.format("l"), "biobuddy-lower-limb", "human-leg-left", _HIPS.format("r")),
+    Case(_HIPS.format("r"), "biobuddy-lower-limb", "human-leg-right", _HIPS.format("l")),
 )
 
 
@@ -118,8 +124,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
     found: dict[str, list[tuple[str, bool]]] = {"measured": [], "simulated": []}
     for case in CASES:
         marker_set = load_marker_set(case.marker_set) if isinstance(case.marker_set, str) else case.marker_set
-        (looked,) = read_markers([given.data / case.file])
-        both = [estimated(half, marker_set, case.preset) for half in halves(looked.recording)]
+        files = [case.file] if case.second is None else [case.file, case.second]
+        recordings = [looked.recording for looked in read_markers([given.data / file for file in files])]
+        disjoint = halves(*recordings) if case.second is None else recordings
+        both = [estimated(one, marker_set, case.preset) for one in disjoint]
         for mine, theirs in (both, both[::-1]):
             found["measured"] += judged(mine, theirs, f"{Path(case.file).stem} {case.preset}")
     for seed in range(given.simulated):

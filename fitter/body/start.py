@@ -27,9 +27,6 @@ from fitter.limb.marker_observations import AnglePrior, MarkerModel
 from fitter.limb.nan_statistics import nan_median
 from limbcal.note import Note
 
-#: How well a hip is known by regression or motion, along an axis [m]: Mantovani et al. 2016 found the regression
-#: 13.6 mm rms from CT, functional centres are no nearer (`fitter.limb.functional_error`).
-_HIP_M = 0.008
 #: How well a table has the joint between pelvis and thorax, and the acromion tells of the shoulder [m], assumed.
 _TRUNK_M, _BELOW_ACROMION_M = 0.03, 0.02
 #: How well a marker of pelvis or thorax is known in its segment once the stance is [m].
@@ -183,7 +180,7 @@ def _hip(limb: LimbOfBody, centres: dict[str, dict[str, Centre]]) -> tuple[Float
     """Return a hip's centre in the pelvis' frame, and how well it is known along an axis [m]."""
     found = centres[limb.name].get("hip")
     at = None if found is None else found.in_segment_m.get("pelvis")
-    return None if at is None else (at, _HIP_M)
+    return None if found is None or at is None else (at, found.std_m)
 
 
 def _shoulder(

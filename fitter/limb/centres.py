@@ -1,8 +1,9 @@
 """Where the joints' centres are in the segments, before the bundle fit: by motion, else by landmarks.
 
-Shoulder and hip by SCoRE where the motion reveals them, else the hip by regression from the pelvis. Elbow, wrist,
-knee and ankle by the middle of their landmarks, else by SCoRE, which on a hinge gives the point of its axis
-halfway between the two segments.
+The hip by regression from the pelvis; elbow, wrist, knee and ankle by the middle of their landmarks: what is known
+of them before anything moves. Else, as the shoulder, by SCoRE where the motion reveals them, which on a hinge is
+the point of its axis halfway between the two segments. The bundle fit sees the same motion again, so that a centre
+by SCoRE is hardly more than a place to begin.
 """
 
 from dataclasses import dataclass, field
@@ -19,6 +20,9 @@ from fitter.limb.nan_statistics import nan_median
 from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
 
+#: How well a centre in the middle of its landmarks is known before the bundle fit, and one by SCoRE, along an axis
+#: [m]; assumed.
+_MIDDLE_M, _SCORE_M = 0.05, 0.02
 #: Landmarks on either side of a centre.
 _MIDDLE = {
     "elbow": ("lateral_epicondyle", "medial_epicondyle"),
@@ -36,6 +40,8 @@ class Centre:
     ----------
     method : str
         ``score``, ``landmarks`` or the name of a regression.
+    std_m : float
+        How well it is known before the bundle fit, along an axis [m].
     world_m : mapping of str to (n_frame, 3)
         Where each segment that has it carries it, in all frames; NaN where the segment has no pose.
     in_segment_m : mapping of str to (3,)
@@ -43,6 +49,7 @@ class Centre:
     """
 
     method: str
+    std_m: float
     world_m: dict[str, Floats] = field(default_factory=dict)
     in_segment_m: dict[str, Floats] = field(default_factory=dict)
 
@@ -65,9 +72,8 @@ def joint_centres(
                 notes += [note for note in found.notes if note.kind != "doubted_pose"]
             except NotIdentifiable as error:
                 notes.append(Note("not_revealed", str(error)))
-        centre = _by_landmarks(trials, where, name, parent) or _by_motion(trials, found)
-        if centre is None and name == "hip":
-            centre = _by_regression(trials, where)
+        known = _by_regression(trials, where) if name == "hip" else _by_landmarks(trials, where, name, parent)
+        centre = known or _by_motion(trials, found)
         if centre is not None:
             centres[name] = _carried_by_both(trials, centre, (parent, child))
     return centres, functional, notes
@@ -76,7 +82,7 @@ def joint_centres(
 def _by_motion(trials: LimbTrials, found: FunctionalCentre | None) -> Centre | None:
     if found is None or (found.unobservable.any() and found.joint.startswith(("hip", "shoulder"))):
         return None
-    centre = Centre("score")
+    centre = Centre("score", _SCORE_M)
     for segment, place in ((found.parent, found.in_parent_m), (found.child, found.in_child_m)):
         whole = trials.motions[segment].whole
         centre.world_m[segment] = np.einsum("nij,j->ni", whole.R, place) + whole.p
@@ -91,7 +97,7 @@ def _by_landmarks(trials: LimbTrials, where: LimbMap, name: str, segment: str) -
     middle = 0.5 * (seen_or_posed(trials, str(marks[0])) + seen_or_posed(trials, str(marks[1])))
     if np.isfinite(middle[:, 0]).sum() < 3:
         return None
-    centre = Centre("landmarks", {segment: middle})
+    centre = Centre("landmarks", _MIDDLE_M, {segment: middle})
     if segment in trials.motions:
         whole = trials.motions[segment].whole
         centre.in_segment_m[segment] = nan_median(np.einsum("nji,nj->ni", whole.R, middle - whole.p))
@@ -103,7 +109,7 @@ def _by_regression(trials: LimbTrials, where: LimbMap) -> Centre | None:
     joint = f"hip_{where.side}"
     for found in regression_centres(landmarks):
         if found.joint == joint and np.isfinite(found.position_m).any():
-            centre = Centre(found.method, {where.base: found.position_m})
+            centre = Centre(found.method, found.error_m / np.sqrt(3.0), {where.base: found.position_m})
             if where.base in trials.motions:
                 whole = trials.motions[where.base].whole
                 local = np.einsum("nji,nj->ni", whole.R, found.position_m - whole.p)

@@ -25,8 +25,9 @@ from fitter.limb.limb_trials import LimbTrials
 from fitter.limb.marker_observations import SWAY, AnglePrior, Frames, MarkerModel, base_sways
 from fitter.limb.nan_statistics import nan_mean, nan_median
 
-#: How well a centre between landmarks, or by motion, is known before the bundle fit [m]; a length between two.
-_FOUND_M, _LENGTH_M = 0.02, 0.015
+#: How near to its centres the first angles bring the chain [m]; how well a length between two is known before the
+#: bundle fit [m].
+_NEAR_M, _LENGTH_M = 0.02, 0.015
 #: How far a marker may be from where the start has it [m].
 PLACE_STD_M = 0.05
 #: How far skin lets a marker wander along an axis [m] (Leardini et al. 2005); what stands may sway by hardly
@@ -180,8 +181,7 @@ def _origin(
     world = centres[first].world_m if first in centres else {}
     if base.segment in world or (base.segment is None and world):
         local = np.einsum("nji,nj->ni", base.R, world.get(str(base.segment), next(iter(world.values()))) - base.p)
-        std = _FOUND_M if centres[first].method == "score" else CENTRE_M
-        return nan_median(local), std
+        return nan_median(local), centres[first].std_m
     scale = height_m / 1.741
     near = (
         ("acromion_" + where.side, np.array([0.0, 0.0, -0.045]), CENTRE_M),
@@ -226,7 +226,7 @@ def virtual_markers(
         T = frames[part.link]
         for name, centre in centres.items():
             if segment in centre.world_m and name in (part.begins, part.ends):
-                add(name, part.link, T[:3, :3].T @ (points[name] - T[:3, 3]), _FOUND_M, centre.world_m[segment])
+                add(name, part.link, T[:3, :3].T @ (points[name] - T[:3, 3]), _NEAR_M, centre.world_m[segment])
     for landmark, (link, place) in landmark_places(arm, where, height_m).items():
         if link >= 0 and landmark in trials.landmarks:
             add(landmark, link, place, LANDMARK_STD_M, seen_or_posed(trials, trials.landmarks[landmark]))

@@ -7,8 +7,8 @@ import numpy as np
 
 from arm.model import Arm, Floats
 from fitter.diagnosis.search import Verdict
-from fitter.marker_diagnosis.marker_hypotheses import Suspicion
 from fitter.marker_diagnosis.marker_search import MarkerCause, MarkerSearch, search_markers
+from fitter.marker_diagnosis.suspicion import Suspicion
 from fitter.marker_diagnosis.trial_errors import TrialErrors
 from protocol.markers.recording import MarkerRecording
 

@@ -14,44 +14,15 @@ import numpy as np
 import scipy
 
 from arm.model import Effect, Floats
+from fitter.marker_diagnosis.sliding_skin import slid, slopes
+from fitter.marker_diagnosis.suspicion import Suspicion, known_in, log_normal
 from fitter.marker_diagnosis.trial_errors import TrialErrors
 
 #: How far off a marker is that was put on anew: examiners differ by up to 25 mm (Della Croce, Cappozzo and
 #: Kerrigan 1999) [m].
 _MOVED_M = 0.025
-#: By how much skin takes a marker with it: 10 to 30 mm at the thigh while hip and knee turn by about a radian
-#: (Leardini et al. 2005) [m/rad].
-_SLID_M_RAD = 0.02
-#: Joints farther along the chain than this move other skin (a ball joint has three).
-_NEAR = 3
-#: Joints that turn by less, rms, slide no skin that could be seen [rad].
-_LEAST_TURN = 0.05
 #: Seconds that the arm's own ``std_m`` counts for, as many as there are axes: the least for a covariance.
 _PRIOR_SECONDS = 3
-#: Blocks that a slope needs: twice its three numbers.
-_LEAST_BLOCKS = 6
-
-
-@dataclass(frozen=True)
-class Suspicion:
-    """A hypothesis on some trials' mean errors.
-
-    Attributes
-    ----------
-    effect : Effect
-        With its numbers.
-    std : mapping of str to float
-        Of those that were estimated.
-    evidence : float
-        Log ratio of the marginal likelihoods [nats].
-    trials : tuple of int
-        In which it acts, from 1.
-    """
-
-    effect: Effect
-    std: dict[str, float]
-    evidence: float
-    trials: tuple[int, ...]
 
 
 @dataclass(frozen=True)
@@ -74,14 +45,14 @@ class Wander:
 
 def suspicions(trials: Sequence[TrialErrors]) -> tuple[list[Suspicion], Wander]:
     """Return all hypotheses, the likeliest first, and the wander of sound markers."""
-    slides = _slopes(trials)
+    slides = slopes(trials)
     n_marker = len(trials[0].names)
     sound = np.array([_sound(trials, m) for m in range(n_marker)])
     means = [(t.mean[m], t.std_m[m]) for t in trials for m in range(n_marker)]
     wander = Wander(sound, _share(means), _share([(one.amplitude, one.std_m) for one in slides]))
     found = [one for m in range(n_marker) for one in _moved(trials, m, sound[m])]
     found += _swapped(trials, sound)
-    found += [one.suspicion(trials, wander.slope) for one in slides]
+    found += slid(trials, slides, wander.slope)
     return sorted(found, key=lambda one: -one.evidence), wander
 
 
@@ -106,15 +77,6 @@ def _sound(trials: Sequence[TrialErrors], m: int) -> Floats:
     return np.asarray(total / count)
 
 
-def _log_normal(x: Floats, covariance: Floats) -> float:
-    sign, log_det = np.linalg.slogdet(covariance)
-    return -0.5 * float(x @ np.linalg.solve(covariance, x)) - 0.5 * float(log_det) if sign > 0 else -np.inf
-
-
-def _known(trials: Sequence[TrialErrors], m: int) -> list[int]:
-    return [r for r, one in enumerate(trials) if np.isfinite(one.mean[m]).all()]
-
-
 def _where(some: Sequence[int], known: Sequence[int]) -> tuple[tuple[int, ...], dict[str, object]]:
     """Return trials from 1, and what an effect says of them: nothing where it acts in all."""
     numbers = tuple(sorted(r + 1 for r in some))
@@ -123,7 +85,7 @@ def _where(some: Sequence[int], known: Sequence[int]) -> tuple[tuple[int, ...], 
 
 def _moved(trials: Sequence[TrialErrors], m: int, wander: Floats) -> list[Suspicion]:
     """Return that a marker is moved, in the trials in which that is likeliest."""
-    known = _known(trials, m)
+    known = known_in(trials, m)
     if not known:
         return []
     alone = {r: _evidence_moved(trials, m, [r], wander) for r in known}
@@ -149,14 +111,14 @@ def _evidence_moved(trials: Sequence[TrialErrors], m: int, some: Sequence[int], 
     together = np.ones((len(some), len(some)))
     null = np.asarray(np.kron(np.eye(len(some)) + together, wander), dtype=np.float64)
     shared = np.asarray(_MOVED_M**2 * np.kron(together, np.eye(3)), dtype=np.float64)
-    return _log_normal(x, null + shared) - _log_normal(x, null)
+    return log_normal(x, null + shared) - log_normal(x, null)
 
 
 def _swapped(trials: Sequence[TrialErrors], wander: Floats) -> list[Suspicion]:
     """Return which pairs of markers, exchanged, are nearer to where the others have them."""
     found = []
     for i, j in combinations(range(len(trials[0].names)), 2):
-        known = [r for r in _known(trials, i) if r in _known(trials, j)]
+        known = [r for r in known_in(trials, i) if r in known_in(trials, j)]
         gains = {r: _gain_swapped(trials[r], i, j, wander) for r in known}
         some = [r for r in known if gains[r] > 0.0]
         if not some:
@@ -176,86 +138,5 @@ def _gain_swapped(trial: TrialErrors, i: int, j: int, wander: Floats) -> float:
     }
     means = trial.mean_of({one: np.where(np.isnan(error), 0.0, error) for one, error in crossed.items()})
     for one in (i, j):
-        total += _log_normal(means[one], 2.0 * wander[one]) - _log_normal(trial.mean[one], 2.0 * wander[one])
+        total += log_normal(means[one], 2.0 * wander[one]) - log_normal(trial.mean[one], 2.0 * wander[one])
     return total
-
-
-@dataclass(frozen=True)
-class _Slide:
-    """How a marker's error goes with a joint, within trials."""
-
-    m: int
-    joint: int
-    slope: Floats
-    covariance: Floats
-    turn: float
-    std_m: float
-
-    @property
-    def amplitude(self) -> Floats:
-        """By how much it slides with the joint's rms turn, (3,) [m]."""
-        return self.slope * self.turn
-
-    @property
-    def spread(self) -> Floats:
-        """Covariance of `amplitude`, (3, 3)."""
-        return self.covariance * self.turn**2
-
-    def suspicion(self, trials: Sequence[TrialErrors], share: float) -> Suspicion:
-        """Return it as a hypothesis."""
-        null: Floats = self.spread + (share * self.std_m) ** 2 * np.eye(3)
-        slid = (_SLID_M_RAD * self.turn) ** 2 * np.eye(3)
-        evidence = _log_normal(self.amplitude, null + slid) - _log_normal(self.amplitude, null)
-        known = _known(trials, self.m)
-        at = [float(np.mean(trials[r].q[:, self.joint])) for r in known]
-        lag = [float(self.slope @ trials[r].mean[self.m]) / float(self.slope @ self.slope) for r in known]
-        rest = float(np.mean(np.subtract(at, lag)))
-        names = ("x_m_rad", "y_m_rad", "z_m_rad")
-        parameters: dict[str, object] = dict(zip(names, self.slope.tolist(), strict=True))
-        more = null / self.turn**2
-        std = dict(zip(names, np.sqrt(np.diag(more)).tolist(), strict=True))
-        parameters |= {"rest_rad": rest, "joint": self.joint + 1}
-        effect = Effect("soft_tissue", parameters, markers=(trials[0].names[self.m],))
-        return Suspicion(effect, std, evidence, tuple(r + 1 for r in known))
-
-
-def _slopes(trials: Sequence[TrialErrors]) -> list[_Slide]:
-    n_joint = trials[0].q.shape[1]
-    found = []
-    for m in range(len(trials[0].names)):
-        link = int(trials[0].link[m])
-        for joint in range(max(0, link - _NEAR + 1), min(n_joint, link + _NEAR + 1)):
-            slide = _slope(trials, m, joint)
-            if slide is not None:
-                found.append(slide)
-    return found
-
-
-def _slope(trials: Sequence[TrialErrors], m: int, joint: int) -> _Slide | None:
-    information, pull, power, count = np.zeros((3, 3)), np.zeros(3), 0.0, 0
-    parts = []
-    for trial in (trials[r] for r in _known(trials, m)):
-        weight = trial.out.information[:, m]
-        share = np.trace(weight, axis1=1, axis2=2)
-        turn = np.where(share > 0.0, trial.q[:, joint] - np.average(trial.q[:, joint], weights=share), 0.0)
-        off = np.nan_to_num(trial.out.error[:, m] - trial.mean[m])
-        information += np.einsum("n,nij->ij", turn**2, weight)
-        pull += np.einsum("n,nij,nj->i", turn, weight, off)
-        power, count = power + float(turn @ turn), count + int((share > 0.0).sum())
-        parts.append((trial, turn, weight, off))
-    turned = float(np.sqrt(power / count)) if count else 0.0
-    if turned < _LEAST_TURN or np.linalg.cond(information) > 1e12:
-        return None
-    covariance = np.linalg.inv(information)
-    slope = covariance @ pull
-    scores = []
-    for trial, turn, weight, off in parts:
-        own = np.zeros((trial.n_block, 3))
-        np.add.at(own, trial.block, np.einsum("n,nij,nj->ni", turn, weight, off - turn[:, None] * slope))
-        scores.append(own)
-    all_scores = np.concatenate(scores)
-    n = len(all_scores)
-    if n < _LEAST_BLOCKS:
-        return None
-    covariance = covariance @ (all_scores.T @ all_scores) @ covariance * n / (n - 3)
-    return _Slide(m, joint, slope, covariance, turned, float(trials[0].std_m[m]))

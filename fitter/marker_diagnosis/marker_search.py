@@ -6,7 +6,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from arm.model import Arm, Effect
-from fitter.marker_diagnosis.marker_hypotheses import Suspicion, Wander, suspicions
+from fitter.marker_diagnosis.marker_hypotheses import Wander, suspicions
+from fitter.marker_diagnosis.suspicion import Suspicion
 from fitter.marker_diagnosis.trial_errors import TrialErrors, trial_errors
 from protocol.markers.recording import MarkerRecording
 

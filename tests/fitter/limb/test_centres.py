@@ -60,28 +60,38 @@ def test_without_landmarks_the_knee_is_on_its_hinge(truth, true_centres):
     assert np.median(np.linalg.norm(off, axis=1)) < 0.01
 
 
-def test_a_hip_that_does_not_turn_is_left_open_or_taken_from_the_pelvis(truth):
-    still = replace(truth.recordings[0], positions=np.tile(truth.recordings[0].positions[:1], (60, 1, 1)))
-    trials = limb_trials([still], truth.marker_set, WHERE)
-    centres, functional, notes = joint_centres(trials, WHERE)
-    assert "hip" not in centres and "not_revealed" in {note.kind for note in notes} and functional == []
+@pytest.mark.parametrize("moves", [False, True])
+def test_what_the_pelvis_tells_of_a_hip_comes_first(truth, moves):
+    first = truth.recordings[0]
+    moved = replace(first, positions=first.positions[:60] if moves else np.tile(first.positions[:1], (60, 1, 1)))
     # spines 24 cm apart and 15 cm deep: Harrington's hip is below and behind, to the side
     spines = {
         "asis_right": [0.1, -0.12, 0.0], "asis_left": [0.1, 0.12, 0.0],
         "psis_right": [-0.05, -0.05, 0.0], "psis_left": [-0.05, 0.05, 0.0],
     }  # fmt: skip
-    world = np.einsum("ij,mj->mi", truth.R[0][0], np.array(list(spines.values()))) + truth.p[0][0]
-    wide = np.concatenate([still.positions, np.tile(world, (60, 1, 1))], axis=1)
+    R, p = ((x[0][:60] if moves else np.tile(x[0][:1], (60, *[1] * (x[0].ndim - 1)))) for x in (truth.R, truth.p))
+    world = np.einsum("nij,mj->nmi", R, np.array(list(spines.values()))) + p[:, None]
+    wide = np.concatenate([moved.positions, world], axis=1)
     segments = {**truth.marker_set.segments, "pelvis": (*truth.marker_set.segments["pelvis"], *spines)}
     own = replace(
         truth.marker_set, segments=segments, landmarks=truth.marker_set.landmarks | {name: name for name in spines}
     )
-    trials = limb_trials([replace(still, names=(*still.names, *spines), positions=wide)], own, WHERE)
+    trials = limb_trials([replace(moved, names=(*moved.names, *spines), positions=wide)], own, WHERE)
     centres, _, _ = joint_centres(trials, WHERE)
-    assert centres["hip"].method == "harrington"
-    place = (centres["hip"].world_m["pelvis"][0] - truth.p[0][0]) @ truth.R[0][0]
+    hip = centres["hip"]
+    # 12.3 +- 5.9 mm from CT in 67 people (Mantovani et al. 2016)
+    assert hip.method == "harrington" and hip.std_m == pytest.approx(
+        np.hypot(12.3e-3, 5.9e-3) / np.sqrt(3), rel=0.01
+    )
+    place = (hip.world_m["pelvis"][0] - p[0]) @ R[0]
     expected = [0.1 - 0.24 * 0.15 - 9.9e-3, -(0.33 * 0.24 + 7.3e-3), -(0.30 * 0.24 + 10.9e-3)]
     np.testing.assert_allclose(place, expected, atol=2e-3)
     pelvis = trials.motions["pelvis"].whole
-    carried = pelvis.R[0] @ centres["hip"].in_segment_m["pelvis"] + pelvis.p[0]
-    np.testing.assert_allclose(carried, centres["hip"].world_m["pelvis"][0], atol=1e-6)
+    carried = pelvis.R[0] @ hip.in_segment_m["pelvis"] + pelvis.p[0]
+    np.testing.assert_allclose(carried, hip.world_m["pelvis"][0], atol=2e-3)
+
+
+def test_a_hip_that_does_not_turn_is_left_open(truth):
+    still = replace(truth.recordings[0], positions=np.tile(truth.recordings[0].positions[:1], (60, 1, 1)))
+    centres, functional, notes = joint_centres(limb_trials([still], truth.marker_set, WHERE), WHERE)
+    assert "hip" not in centres and "not_revealed" in {note.kind for note in notes} and functional == []

@@ -67,7 +67,7 @@ def test_without_a_centre_the_hip_is_near_the_thigh(leg, begun):
 
 def test_lengths_are_the_distances_between_centres():
     def at(*x):
-        return Centre("score", {}, {"thigh_right": np.array(x), "shank_right": np.array(x)})
+        return Centre("score", 0.02, {}, {"thigh_right": np.array(x), "shank_right": np.array(x)})
 
     arm, std = with_lengths(LEG, WHERE, {"hip": at(0, 0, 0), "knee": at(0, 0.3, 0.4)})
     assert abs(arm.joints[2].d_m) == pytest.approx(0.5) and arm.joints[2].d_m * LEG.joints[2].d_m > 0.0
@@ -82,7 +82,7 @@ def test_an_arm_with_a_girdle_has_a_third_length():
     far = {"upper_arm_left": np.array([0.0, 0.31, 0.0]), "forearm_left": np.zeros(3)}
     wrist = {"forearm_left": np.array([0.0, 0.0, 0.27])}
     centres = {
-        name: Centre("score", {}, x) for name, x in {"shoulder": place, "elbow": far, "wrist": wrist}.items()
+        name: Centre("score", 0.02, {}, x) for name, x in {"shoulder": place, "elbow": far, "wrist": wrist}.items()
     }
     arm, std = with_lengths(ARM, OF_ARM, centres)
     assert abs(arm.joints[4].d_m) == pytest.approx(0.31) and abs(arm.joints[6].d_m) == pytest.approx(0.27)
