@@ -5,8 +5,6 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Any
 
-import numpy as np
-
 #: Frames a second that `limb/plot` has [Hz]: as many as a screen can show.
 PLOT_HZ = 100.0
 #: Rates are measured, and a thousand a second may be called a little more: ten times what a crystal is off by.
@@ -35,9 +33,14 @@ def plot_rows(motion: Mapping[str, Any], step: int) -> list[dict[str, float]]:
         return []
     signals = [name for name in (*_BY_JOINT, "tip") if motion.get(name) is not None]
     names = _columns(motion["q"].shape[1], *signals)
-    rows = np.concatenate([motion[name][picked.start :: step] for name in signals], axis=1).tolist()
-    stamps = [(motion["t0_ns"] + round(i * motion["dt_s"] * 1e9)) / 1e9 for i in picked]
-    return [dict(zip(names, (ts, *row), strict=True)) for ts, row in zip(stamps, rows, strict=True)]
+    t0_ns, dt_s, arrays = motion["t0_ns"], motion["dt_s"], [motion[name] for name in signals]
+    rows = []
+    for i in picked:
+        values = [(t0_ns + round(i * dt_s * 1e9)) / 1e9]
+        for array in arrays:
+            values += array[i].tolist()
+        rows.append(dict(zip(names, values, strict=True)))
+    return rows
 
 
 @cache

@@ -1,5 +1,6 @@
 """The sending end: a socket for subscribers that numbers its messages."""
 
+import time
 from collections.abc import Mapping
 from types import TracebackType
 from typing import Any
@@ -9,6 +10,7 @@ import zmq
 from protocol.binding import bind
 from protocol.curve import Gate
 from protocol.message import encode
+from protocol.peers import LOOK_S
 from protocol.subscriptions import Subscriptions
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
@@ -31,8 +33,8 @@ class Publisher:
     gate : Gate, optional
         Lets in only whom it knows; needed where other machines can reach the endpoint.
     watched : bool
-        Whether subscribers are looked at from a thread of its own; otherwise whenever something is published, and
-        by `attend`, which is to be called a hundred times a second while nothing is.
+        Whether subscribers are looked at from a thread of its own; otherwise a hundred times a second when
+        something is published, and by `attend`, which is to be called as often while nothing is.
 
     Attributes
     ----------
@@ -59,6 +61,7 @@ class Publisher:
         self.last_seq: dict[str, int] = {}
         self._arm = arm_name
         self._run = run
+        self._attend_s = 0.0
         self._socket = context.socket(zmq.XPUB)
         self._socket.set(zmq.SNDHWM, SEND_QUEUE)
         self._socket.set(zmq.LINGER, LINGER_MS)
@@ -95,7 +98,8 @@ class Publisher:
         self._socket.send(parts[0], zmq.SNDMORE)
         self._socket.send(parts[1])
         self.last_seq[topic] = seq
-        self.attend()
+        if time.monotonic() >= self._attend_s:  # a look costs as much as to send, and a block is several messages
+            self.attend()
         return parts
 
     @property
@@ -106,6 +110,7 @@ class Publisher:
     def attend(self) -> None:
         """Take in what subscribers ask for, and show out who asks for too much."""
         self._subscriptions.look()
+        self._attend_s = time.monotonic() + LOOK_S
 
     @property
     def socket(self) -> "zmq.Socket[bytes]":

@@ -20,6 +20,8 @@ _GATHER_S = 0.1
 _QUEUE = 600
 #: How long closing waits for what the recorder has not taken yet [ms].
 _LINGER_MS = 10_000
+#: What a sending has room for at first [bytes]: a tenth of a second at 32 kHz, and as much again.
+_ROOM_BYTES = 512 * 1024
 #: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"
 
@@ -50,6 +52,7 @@ class RecordLink:
         self.lost = self.removed = 0
         self._gathered: list[tuple[bytes, bytes, int]] = []
         self._due_s = 0.0
+        self._packer = _packer()
         self._socket = context.socket(zmq.PAIR)
         self._socket.set(zmq.SNDHWM, _QUEUE)
         self._socket.set(zmq.LINGER, _LINGER_MS)
@@ -71,8 +74,14 @@ class RecordLink:
         self._due_s = time.monotonic() + _GATHER_S
         if self._gathered:
             gathered, self._gathered = self._gathered, []
-            if not self._send(msgpack.packb(gathered)):
-                self.lost += len(gathered)
+            self._packer.pack(gathered)
+            with self._packer.getbuffer() as packed:
+                size = len(packed)
+                if not self._send(packed):
+                    self.lost += len(gathered)
+            self._packer.reset()
+            if size > _ROOM_BYTES:  # after a burst its memory is given back
+                self._packer = _packer()
 
     def check(self) -> None:
         """Hear what the recorder writes to now, if to anything."""
@@ -85,12 +94,17 @@ class RecordLink:
         self._send(_END)
         self._socket.close()
 
-    def _send(self, message: bytes) -> bool:
+    def _send(self, message: bytes | memoryview) -> bool:
         try:
             self._socket.send(message, zmq.NOBLOCK)
         except zmq.Again:
             return False
         return True
+
+
+def _packer() -> msgpack.Packer:
+    """Return what is kept: so large a buffer made anew would be mapped, page by page, and given back each time."""
+    return msgpack.Packer(autoreset=False, buf_size=_ROOM_BYTES)
 
 
 class RecordInlet:
