@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from arm.model import Arm, Floats
-from tracking.kalman.batch_filter import Course
+from tracking.kalman.batch_filter import Course, joined
 from tracking.kalman.discrepancy_filter import DiscrepancyFilter
 from tracking.kalman.model_bank import LONG_S
 from tracking.kalman.multiple_model_filter import MultipleModelFilter
@@ -47,7 +47,8 @@ class AdaptiveFilter:
         """Take in readings, (n, n_channel), and say what came of each; those of a lost frame are NaN."""
         parts = []
         while len(readings):
-            part, readings = np.split(readings, [self._span - self._in_span])
+            end = self._span - self._in_span
+            part, readings = readings[:end], readings[end:]
             course = self._exact.follow(part)
             if self._lacking is not None:
                 course = self._lacking.follow(part)
@@ -58,7 +59,7 @@ class AdaptiveFilter:
             self._in_span += len(part)
             if self._in_span == self._span:
                 self._judge()
-        return Course(*map(np.concatenate, zip(*parts, strict=True)))
+        return joined(parts)
 
     def _judge(self) -> None:
         """Ask which filter is to be believed."""

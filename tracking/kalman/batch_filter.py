@@ -1,5 +1,6 @@
 """The live filter in strides: as many frames at once as nothing happens in, the others one at a time."""
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -27,6 +28,11 @@ class Course(NamedTuple):
     variances: Floats
     still: NDArray[np.bool_]
     resting: NDArray[np.bool_]
+
+
+def joined(parts: Sequence[Course]) -> Course:
+    """Return what came of readings in parts, one after the other, as one; a single part as it is."""
+    return parts[0] if len(parts) == 1 else Course(*map(np.concatenate, zip(*parts, strict=True)))
 
 
 class BatchFilter(LiveFilter):
@@ -79,8 +85,7 @@ class BatchFilter(LiveFilter):
             return 0
         if not count:
             return 0
-        for squared in sizes[:count].tolist():
-            self._judge.note(squared / rows, jolted=False, doubted=False)
+        self._judge.note_all((sizes[:count] / rows).tolist())
         course.still[k : k + count], course.resting[k : k + count] = still, self.resting
         self._last = readings[count - 1]
         self.loss.find()

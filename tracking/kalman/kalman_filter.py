@@ -166,6 +166,7 @@ class KalmanTracker:
         n_gyro = self._n_channel - self._n_acceleration
         noise = noise_of(readings[: self._to_wait], self._rate_hz, n_gyro)
         self._watch = StepWatch(noise, n_gyro)
+        self._felt_noise = noise.parts_of_mean(self._factor)
         frames = self._decimator.push(readings)
         first = frames[: self._first_frames] if len(frames) else readings.mean(axis=0)[None]
         self._filter = AdaptiveFilter(self._arm, self._q0, self._given, first, noise, self._factor, self.dt_s)
@@ -176,6 +177,7 @@ class KalmanTracker:
         """Learn the converter's step, before anything that it explains is taken in."""
         if self._filter is not None and self._watch.look(readings):
             self._filter.learn(self._watch.noise)
+            self._felt_noise = self._watch.noise.parts_of_mean(self._factor)
 
     def _follow(self, readings: Floats) -> tuple[list[Frames], list[Phase]]:
         if not len(readings) or self._filter is None:
@@ -203,7 +205,7 @@ class KalmanTracker:
             self._lost or bool(missing.any()),
             np.sqrt(course.variances),
             readings,
-            self._watch.noise.parts_of_mean(self._factor),
+            self._felt_noise,
         )
         self._frame += n
         self._lost = False

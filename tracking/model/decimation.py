@@ -47,7 +47,7 @@ class Decimator:
             readings = np.vstack([np.repeat(readings[:1], self._half, axis=0), readings])
             self._first -= self._half
             self._begun = True
-        self._kept = np.vstack([self._kept, readings])
+        self._kept = np.concatenate([self._kept, readings])
         centre = self._next * self.factor + self.factor // 2 - self._first
         count = max(0, (len(self._kept) - 1 - self._half - centre) // self.factor + 1)
         frames = np.empty((count, self._n_channel))

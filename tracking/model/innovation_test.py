@@ -1,5 +1,6 @@
 """Whether a filter's readings fit its own claims."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 #: Instants at the least before the filter is called wrong; the mean square of a right one's innovations is then
@@ -54,6 +55,12 @@ class Judge:
         self._total += size
         self._jolts += jolted
         self._doubted += doubted
+
+    def note_all(self, sizes: Sequence[float]) -> None:
+        """Take in instants at which nothing became of their mean squared innovations."""
+        self._instants += len(sizes)
+        for size in sizes:  # one after the other, so that the sum is what `note` makes it
+            self._total += size
 
     def take(self) -> Consistency:
         """Return the judgement and begin anew."""

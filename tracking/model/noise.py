@@ -75,13 +75,16 @@ def step_of(readings: Floats) -> Floats:
 
 
 @compiled
-def _least_changes(before: Floats, readings: Floats, step: Floats) -> None:
-    """Lower ``step`` to the least by which a reading differs from the one before, where it does."""
+def _least_changes(before: Floats, readings: Floats, step: Floats) -> bool:
+    """Lower ``step`` to the least by which a reading differs from the one before; return whether it is lower."""
+    lower = False
     for k in range(readings.shape[0]):
         for c in range(step.size):
             change = abs(readings[k, c] - (readings[k - 1, c] if k > 0 else before[c]))
             if 0.0 < change < step[c]:
                 step[c] = change
+                lower = True
+    return lower
 
 
 def _rounding(variance: Floats, step: Floats, n_accelerometer: int) -> Floats:
@@ -113,13 +116,11 @@ class StepWatch:
         """Take in readings (n, n_channel); return whether they change what is known of the noise."""
         if not len(readings):
             return False
-        step = self._step.copy()
-        _least_changes(readings[0] if self._last is None else self._last, readings, step)
+        changed = _least_changes(readings[0] if self._last is None else self._last, readings, self._step)
         self._last = readings[-1].copy()
-        if np.array_equal(step, self._step):
+        if not changed:
             return False
-        self._step = step
-        rounding = _rounding(self.noise.variance, step.copy(), self._n_accelerometer)
+        rounding = _rounding(self.noise.variance, self._step.copy(), self._n_accelerometer)
         if np.allclose(rounding, self.noise.rounding, rtol=0.1, atol=1e-12):
             return False
         self.noise = replace(self.noise, rounding=rounding)
