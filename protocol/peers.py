@@ -37,6 +37,9 @@ _DISCARD = 1 << 20
 #: `struct linger` (socket(7)): on, and no time.
 _RESET = struct.pack("ii", 1, 0)
 
+#: Of a socket's events, as a number: of an enum it takes longer than the look itself, and to poll longer still.
+READABLE = int(zmq.POLLIN)
+
 #: Numbers of the monitors of a process.
 _NUMBERS = itertools.count()
 
@@ -170,7 +173,7 @@ class Peers:
 
     def _hear(self, now_s: float) -> None:
         """Take in who has come and who has gone."""
-        while self._monitor.poll(0):
+        while int(self._monitor.get(zmq.EVENTS)) & READABLE:
             event = recv_monitor_message(self._monitor)
             if event["event"] & _MADE:
                 self._accept(event["value"], now_s)

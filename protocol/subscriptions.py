@@ -4,7 +4,7 @@ from collections import OrderedDict
 
 import zmq
 
-from protocol.peers import Peers
+from protocol.peers import READABLE, Peers
 
 #: Bytes of a topic at most; ours have 16.
 TOPIC_LIMIT = 64
@@ -20,8 +20,6 @@ _AT_ONCE = 8
 _MOST_KNOWN = 1000
 #: Bytes that the kernel keeps of what a subscriber sends.
 _KERNEL_BYTES = 16 * 1024
-#: As a number: of an enum it takes longer than the look itself.
-_READABLE = int(zmq.POLLIN)
 #: Sent in one go; what remains is sent the next time.
 _GO = 256
 
@@ -45,7 +43,7 @@ class Subscriptions:
     def look(self) -> None:
         """Take in what subscribers ask for, and show out who asks for too much."""
         for _ in range(_GO):
-            if not int(self._socket.get(zmq.EVENTS)) & _READABLE:
+            if not int(self._socket.get(zmq.EVENTS)) & READABLE:
                 break
             frame = self._socket.recv(copy=False)
             connection = self.peers.handed(frame)

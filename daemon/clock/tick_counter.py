@@ -6,7 +6,7 @@ say how often it has passed zero since; a device that was restarted stands at a 
 
 from dataclasses import replace
 
-from protocol.serial_frame import InfoFrame
+from protocol.serial_frame import InfoFrame, SamplesRun
 from protocol.serial_parser import Found
 
 #: Ticks after which a counter of 32 bits passes zero.
@@ -44,7 +44,8 @@ class TickCounter:
         """
         if isinstance(found, InfoFrame):  # whose clock is no sample's; it may be of another device
             return replace(found, ticks=found.ticks + self._turned) if self._turned else found
-        return replace(found, ticks=[tick + self.shift(tick, arrival_ns) for tick in found.ticks])
+        ticks = [tick + self.shift(tick, arrival_ns) for tick in found.ticks]
+        return SamplesRun(found.sequence, ticks, found.counts)
 
     def shift(self, ticks: int, arrival_ns: int) -> int:
         """Return what is to be added to ``ticks`` of a frame that arrived then.
