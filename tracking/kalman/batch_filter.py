@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from tracking.kalman.batch_step import stride
+from tracking.kalman.batch_step import strides
 from tracking.kalman.live_filter import LiveFilter
 
 
@@ -44,7 +44,7 @@ class BatchFilter(LiveFilter):
         course = Course(np.empty((n, known)), np.empty((n, self._n)), np.empty(n, np.bool_), np.empty(n, np.bool_))
         k = 0
         while k < n:
-            taken = self._stride(readings[k:], course, k)
+            taken = self._strides(readings[k:], course, k)
             if not taken:
                 course.still[k] = self.step(readings[k])
                 course.states[k], course.variances[k] = self.x[:known], self.angle_variance
@@ -53,46 +53,47 @@ class BatchFilter(LiveFilter):
             course.resting[k - 1] = self.resting
         return course
 
-    def _stride(self, readings: Floats, course: Course, k: int) -> int:
-        """Take in readings of this cell while nothing happens; return how many."""
+    def _strides(self, readings: Floats, course: Course, k: int) -> int:
+        """Take in readings while nothing happens; return how many."""
         if not self._begun or self._any_coupled:
             return 0
-        kf, still, here = self._kf, self._still, slice(k, k + self._cell - self._in_cell)
-        readings, sizes = readings[: self._cell - self._in_cell], np.empty(len(readings))
-        noise = self._rest_noise if still else self._moving_noise
-        rows = len(noise)
+        kf, (sizes, shares) = self._kf, np.empty((2, len(readings)))
         try:
-            count, kf.x, kf.P = stride(
+            count, kf.x, kf.P, self._rest_at, self._still, self.resting, self._in_cell, self._cells = strides(
                 self._of,
-                self._room,
                 kf.F,
                 kf.Q,
                 kf.x,
                 kf.P,
                 readings,
                 self._rest_at,
-                still,
-                noise,
-                self._limits[still],
-                self._slope[:rows],
-                self._predicted[:rows],
-                course.states[here],
-                course.variances[here],
-                sizes,
+                self._still,
+                self.resting,
+                self._moving_noise,
+                self._rest_noise,
+                self._limits,
+                self._window,
+                self._in_cell,
+                self._cells,
+                self._cell,
+                self._dt,
+                self._hidden,
                 self._total,
+                course.states[k:],
+                course.variances[k:],
+                sizes,
+                shares,
+                course.still[k:],
+                course.resting[k:],
             )
         except np.linalg.LinAlgError:
             return 0
         if not count:
             return 0
-        self._judge.note_all((sizes[:count] / rows).tolist())
-        course.still[k : k + count], course.resting[k : k + count] = still, self.resting
+        self._judge.note_all(shares[:count].tolist())
         self._last = readings[count - 1]
         self.loss.find()
-        misfit = float(sizes[:count].sum())
-        self.misfit, self._strain = self.misfit + misfit, self._strain + misfit / rows
+        self.misfit += float(sizes[:count].sum())
+        self._strain += float(shares[:count].sum())
         self._strained += count
-        self._in_cell += count
-        if self._in_cell == self._cell:
-            self._close_cell()
         return count
