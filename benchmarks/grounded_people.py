@@ -36,6 +36,8 @@ from benchmarks.case_results import add_pool_options, run_kept, show_page
 from benchmarks.diagnosis_page import table
 from benchmarks.mountings import said
 from benchmarks.record import commit
+from benchmarks.simulated_people.body import squatting
+from benchmarks.simulated_people.ground import other_masses, weighing
 from fitter.__main__ import main as fitter
 from fitter.data.derivatives import both_derivatives
 from fitter.export.motion_tables import markers_trc
@@ -44,8 +46,6 @@ from fitter.ground.link_motion import link_motions
 from limbcal.arguments import Parser, common_options
 from limbcal.command import Document, run_command
 from limbcal.errors import Unusable
-from tests.fitter.body.simulated_body import squatting
-from tests.fitter.ground.simulated_ground import other_masses, weighing
 
 #: Length of a motion [s], and rate of cameras and plates [Hz].
 SECONDS, RATE_HZ = 12.0, 50.0

@@ -16,13 +16,13 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.simulated_people.person import person
 from fitter.functional.marker_set import MarkerSet, load_marker_set
 from fitter.functional.rigid_fit import fit_poses
 from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
 from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
-from tests.fitter.limb.simulated_person import person
 
 #: Standard deviations on either side of a 95 % interval of many degrees of freedom.
 _NORMAL = 1.96

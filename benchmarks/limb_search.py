@@ -19,6 +19,7 @@ from pathlib import Path
 
 import numpy as np
 
+from benchmarks.simulated_people.person import person
 from fitter.functional.marker_set import MarkerSet, load_marker_set
 from fitter.limb.limb_calibration import FIRST_STD_M, calibrate
 from fitter.limb.limb_fit import LimbFit
@@ -27,7 +28,6 @@ from fitter.limb.search_comparison import SAME_MINIMUM, comparison
 from fitter.limb.warm_up import warm_up
 from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
-from tests.fitter.limb.simulated_person import person
 
 #: Of the issue: within so much of the bundle fit [mm].
 _WITHIN_MM = 1.0

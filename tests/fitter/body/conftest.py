@@ -2,8 +2,8 @@
 
 import pytest
 
+from benchmarks.simulated_people.body import fitted
 from fitter.body.document import body_document
-from tests.fitter.body.simulated_body import fitted
 
 
 @pytest.fixture(scope="session")

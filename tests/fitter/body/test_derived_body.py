@@ -8,11 +8,11 @@ from scipy.spatial.transform import Rotation
 
 from arm.body.limbs import BODY, MEAN_PERSON
 from arm.kinematics import axis_frames
+from benchmarks.simulated_people.body import WHERE
 from fitter.body.body_map import body_with_limbs
 from fitter.body.derived_body import derived_body, limb_geometry, markers_on
 from fitter.limb.free_geometry import geometry_of
 from fitter.limb.marker_observations import MarkerModel
-from tests.fitter.body.simulated_body import WHERE
 
 ARM, LIMBS = body_with_limbs(replace(MEAN_PERSON, preset=BODY))
 

@@ -5,11 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.body import RATE_HZ, WORLD, truth
 from fitter.body.body_map import body_with_limbs
 from fitter.body.stance import bent_knees, stance
 from fitter.limb.limb_trials import sorted_trials
 from limbcal.errors import NotIdentifiable
-from tests.fitter.body.simulated_body import RATE_HZ, WORLD, truth
 
 
 def test_the_first_second_is_upright_and_faces_as_the_person_does(fit):

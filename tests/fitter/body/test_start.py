@@ -7,13 +7,13 @@ import pytest
 
 from arm.body.limbs import BODY, MEAN_PERSON
 from arm.body.whole_body import body_landmarks, human_body
+from benchmarks.simulated_people.body import WHERE
 from fitter.body.body_map import body_with_limbs
 from fitter.body.stance import stance
 from fitter.body.start import initial_body
 from fitter.functional.anatomy import LANDMARKS
 from fitter.limb.inverse_kinematics import link_poses
 from fitter.limb.limb_trials import sorted_trials
-from tests.fitter.body.simulated_body import WHERE
 
 
 def test_the_start_has_the_lengths_of_the_landmarks(person, fit):

@@ -8,9 +8,9 @@ from arm.body.limbs import BODY
 from arm.kinematics import axis_frames
 from arm.model import Body
 from arm.newton_euler import inverse_dynamics
+from benchmarks.simulated_people.body import WHERE
 from fitter.body.written_body import calibrated_body
 from fitter.limb.tracking import track_limb
-from tests.fitter.body.simulated_body import WHERE
 
 
 @pytest.fixture(scope="module")

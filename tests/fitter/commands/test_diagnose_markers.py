@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm, save_arm
+from benchmarks.simulated_people.person import person
 from tests.fitter.commands.test_limb import written_trc
-from tests.fitter.limb.simulated_person import person
 from tests.fitter.limb.test_tracking import with_markers
 from tests.fitter.marker_diagnosis.test_marker_search import shifted
 

@@ -7,12 +7,12 @@ import pytest
 
 from arm.arm_file import load_arm, save_arm
 from arm.moving_base import standing_base
+from benchmarks.simulated_people.ground import BASE, DT, PERSON, moving, other_masses, weighing
 from fitter.__main__ import main
 from fitter.data.derivatives import both_derivatives
 from fitter.data.motion_file import write_motion
 from fitter.ground.floating_base import base_regressor
 from fitter.ground.link_motion import link_motions
-from tests.fitter.ground.simulated_ground import BASE, DT, PERSON, moving, other_masses, weighing
 
 AXES = [f"ground_force_1_{kind}{axis}" for kind in "vpm" for axis in "xyz"]
 

@@ -12,10 +12,10 @@ from arm.effects.payload import with_load
 from arm.model import Effect
 from arm.moving_base import BaseState
 from arm.newton_euler import inverse_dynamics
+from benchmarks.simulated_people.person import person
 from fitter.commands.torque import needed_torque
 from fitter.data.motion_file import write_motion
 from protocol.markers.trc_file import read_trc
-from tests.fitter.limb.simulated_person import person
 
 SET = """schema = 1
 name = "simulated"

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from arm.model import Arm
+from benchmarks.simulated_people.person import person, with_markers
 from fitter.commands.limb_export import add_export, check_export, export
 from fitter.export.motion_tables import marker_places
 from fitter.limb.tracking import TrackedLimb
 from limbcal.errors import ConfigError, DeviceError
 from protocol.markers.trc_file import read_trc
-from tests.fitter.limb.simulated_person import person, with_markers
 
 
 @pytest.fixture(scope="module")

@@ -9,12 +9,12 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.model import Body
+from benchmarks.simulated_people.person import person
 from fitter.commands import limb_kinematics
 from fitter.commands.limb_kinematics import body_of, method_lines, recordings_of
 from limbcal.errors import ConfigError
 from limbcal.note import Note
 from tests.fitter.commands.test_limb import written_set, written_trc
-from tests.fitter.limb.simulated_person import person
 
 RMS = {"rms": 1.25, "median": 1.0, "max": 4.0, "frames": 60}
 ANSWER = {

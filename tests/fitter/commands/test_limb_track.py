@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 
 from arm.arm_file import save_arm
+from benchmarks.simulated_people.person import person, with_gaps, with_markers
 from fitter.commands.limb_track import has_markers
 from limbcal.errors import ConfigError
 from tests.fitter.commands.test_limb import written_trc
-from tests.fitter.limb.simulated_person import person, with_gaps, with_markers
 
 
 @pytest.fixture(scope="module")

@@ -6,8 +6,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.person import person
 from tests.fitter.commands.test_limb import written_trc
-from tests.fitter.limb.simulated_person import person
 
 
 @pytest.fixture(scope="module")

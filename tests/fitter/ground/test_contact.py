@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.ground import BASE, DT, PERSON, moving, other_masses, trial_of, weighing
 from fitter.ground.contact import closure, held, plate_link
-from tests.fitter.ground.simulated_ground import BASE, DT, PERSON, moving, other_masses, trial_of, weighing
 
 UP = np.array([0.0, 0.0, 1.0])
 

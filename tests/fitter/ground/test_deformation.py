@@ -5,8 +5,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from arm.physical_links import is_possible
+from benchmarks.simulated_people.ground import BASE
 from fitter.ground.deformation import MASS, SHIFT, Deformation, radii
-from tests.fitter.ground.simulated_ground import BASE
 
 DEFORMATION = Deformation(BASE.links)
 

@@ -9,6 +9,7 @@ from scipy.spatial.transform import Rotation
 from arm.body.whole_body import body_map
 from arm.model import Marker
 from arm.moving_base import standing_base
+from benchmarks.simulated_people.ground import BASE, DT, PERSON, moving
 from fitter.data.derivatives import both_derivatives
 from fitter.ground.disturbances import (
     PLATE_M,
@@ -20,7 +21,6 @@ from fitter.ground.disturbances import (
     skin_of,
 )
 from fitter.ground.link_motion import link_motions
-from tests.fitter.ground.simulated_ground import BASE, DT, PERSON, moving
 
 
 @pytest.fixture(scope="module")

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.ground import BASE, PERSON, moving, other_masses, trial_of
 from fitter.data.derivatives import lowpass
 from fitter.ground.fit_corner import FASTEST_HZ, fit_corner_hz
-from tests.fitter.ground.simulated_ground import BASE, PERSON, moving, other_masses, trial_of
 
 N = 2000
 

@@ -9,10 +9,10 @@ from arm.arm_file import load_arm
 from arm.model import Link
 from arm.moving_base import standing_base
 from arm.newton_euler import inverse_dynamics
+from benchmarks.simulated_people.ground import BASE, PERSON
 from fitter.ground.floating_base import along_joints, base_regressor, floating_base
 from fitter.ground.link_motion import link_motions
 from limbcal.errors import ConfigError
-from tests.fitter.ground.simulated_ground import BASE, PERSON
 
 
 def test_base_rows_are_those_of_the_recursion():

@@ -5,11 +5,11 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 from fitter.ground.ground_document import document, known_together, left_at_prior, segment_rows
 from fitter.ground.ground_dynamics import learn_from_ground
 from fitter.ground.ground_score import ground_score
 from fitter.ground.link_names import link_names
-from tests.fitter.ground.simulated_ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 
 NAMES = link_names(PERSON)
 

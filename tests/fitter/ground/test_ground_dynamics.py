@@ -3,9 +3,9 @@
 import numpy as np
 
 from arm.physical_links import is_possible
+from benchmarks.simulated_people.ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 from fitter.ground.ground_dynamics import learn_from_ground
 from fitter.ground.ground_score import ground_score
-from tests.fitter.ground.simulated_ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 
 
 def learnt(seed, seconds=8.0, angle_rad=0.02):

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.ground import BASE, PERSON, moving, other_masses, trial_of
 from fitter.ground.ground_score import ground_score, worse_than_nothing
 from fitter.ground.plate_calibration import PlateCalibration
-from tests.fitter.ground.simulated_ground import BASE, PERSON, moving, other_masses, trial_of
 
 RIGHT = PlateCalibration(np.zeros(6), np.zeros(6))
 

@@ -8,6 +8,7 @@ import pytest
 from arm.body.whole_body import body_map
 from arm.model import Base
 from arm.moving_base import standing_base
+from benchmarks.simulated_people.ground import BASE, DT, PERSON, moving
 from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trial import Trial
 from fitter.ground.floating_base import base_regressor
@@ -15,7 +16,6 @@ from fitter.ground.ground_trial import ground_trial
 from fitter.ground.link_motion import link_motions
 from fitter.ground.link_names import link_names
 from limbcal.errors import DataError
-from tests.fitter.ground.simulated_ground import BASE, DT, PERSON, moving
 
 AXES = [f"ground_force_1_{kind}{axis}" for kind in "vpm" for axis in "xyz"]
 FOOT = body_map().parts["foot_right"].link

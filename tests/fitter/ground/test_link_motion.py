@@ -5,8 +5,8 @@ import pytest
 from scipy.spatial.transform import Rotation
 
 from arm.moving_base import BaseState, standing_base
+from benchmarks.simulated_people.ground import PERSON
 from fitter.ground.link_motion import link_motions
-from tests.fitter.ground.simulated_ground import PERSON
 
 STEP = 1e-4
 G = np.array(PERSON.gravity_m_s2)

@@ -6,9 +6,9 @@ import pytest
 
 from arm.arm_file import load_arm
 from arm.body.whole_body import body_map
+from benchmarks.simulated_people.ground import PERSON
 from fitter.ground.link_names import link_named, link_names, segments
 from limbcal.errors import ConfigError
-from tests.fitter.ground.simulated_ground import PERSON
 
 LEG = load_arm("human-leg-right")
 

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 from fitter.ground.disturbances import plate_columns
 from fitter.ground.ground_dynamics import learn_from_ground
-from tests.fitter.ground.simulated_ground import BASE, PERSON, moving, other_masses, trial_of, weighing
 
 OFF = np.array([0.004, -0.002, 0.0, 3.0, -2.0, 1.0])
 

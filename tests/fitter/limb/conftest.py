@@ -4,9 +4,9 @@ from dataclasses import dataclass
 
 import pytest
 
+from benchmarks.simulated_people.person import Person, person
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_fit import LimbFit
-from tests.fitter.limb.simulated_person import Person, person
 
 
 @dataclass(frozen=True)

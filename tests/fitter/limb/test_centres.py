@@ -7,9 +7,9 @@ import pytest
 
 from arm.body.landmarks import limb_map
 from arm.kinematics import axis_frames
+from benchmarks.simulated_people.person import person
 from fitter.limb.centres import joint_centres
 from fitter.limb.limb_trials import limb_trials
-from tests.fitter.limb.simulated_person import person
 
 WHERE = limb_map("human-leg-right", 6)
 

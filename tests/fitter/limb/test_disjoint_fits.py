@@ -4,8 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from benchmarks.simulated_people.person import person
 from fitter.limb.limb_calibration import calibrate
-from tests.fitter.limb.simulated_person import person
 
 
 def test_a_static_trial_says_nothing_by_itself():

@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.person import person
 from fitter.limb.functional_error import beyond_the_acromion, systematic_std_m
 from fitter.limb.limb_calibration import calibrate
-from tests.fitter.limb.simulated_person import person
 
 
 def test_the_error_along_an_axis_is_that_against_images():

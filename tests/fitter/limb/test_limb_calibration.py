@@ -5,10 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.person import person
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.uncertainty import derived
 from limbcal.errors import DataError
-from tests.fitter.limb.simulated_person import person
 
 
 @pytest.fixture(scope="module")

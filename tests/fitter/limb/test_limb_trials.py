@@ -6,9 +6,9 @@ import numpy as np
 import pytest
 
 from arm.body.landmarks import limb_map
+from benchmarks.simulated_people.person import person
 from fitter.limb.limb_trials import limb_trials
 from limbcal.errors import DataError
-from tests.fitter.limb.simulated_person import person
 
 WHERE = limb_map("human-leg-right", 6)
 

@@ -8,9 +8,9 @@ import pytest
 from arm.arm_file import load_arm
 from arm.base_pose import base_in_segment
 from arm.model import Marker
+from benchmarks.simulated_people.person import person, with_markers
 from fitter.limb.marked_arm import marked_arm
 from limbcal.errors import ConfigError
-from tests.fitter.limb.simulated_person import person, with_markers
 
 
 def test_markers_of_links_come_first_and_those_of_the_base_in_its_segment():

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.person import person, with_markers
 from fitter.limb.solved_motion import solve_motion
 from limbcal.errors import DataError
-from tests.fitter.limb.simulated_person import person, with_markers
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
+from benchmarks.simulated_people.person import person, with_gaps, with_markers
 from fitter.limb.tracking import track_limb
-from tests.fitter.limb.simulated_person import person, with_gaps, with_markers
 
 
 @pytest.fixture(scope="module")

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from arm.kinematics import axis_frames
+from benchmarks.simulated_people.person import person, with_markers
 from fitter.marker_diagnosis.marker_search import search_markers
-from tests.fitter.limb.simulated_person import person, with_markers
 
 
 @pytest.fixture(scope="module")

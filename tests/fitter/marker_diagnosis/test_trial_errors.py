@@ -3,9 +3,9 @@
 import numpy as np
 import pytest
 
+from benchmarks.simulated_people.person import RATE_HZ, person, with_markers
 from fitter.limb.marked_arm import marked_arm
 from fitter.marker_diagnosis.trial_errors import trial_errors
-from tests.fitter.limb.simulated_person import RATE_HZ, person, with_markers
 
 
 @pytest.fixture(scope="module")

@@ -1,9 +1,9 @@
 """The page of a whole person."""
 
+from benchmarks.simulated_people.body import fitted
 from fitter.body.document import body_document
 from fitter.report.body_page import lowest_and_highest, write_body_page
 from limbcal.note import Note
-from tests.fitter.body.simulated_body import fitted
 
 
 def test_the_page_has_lengths_by_side_and_pictures(tmp_path):

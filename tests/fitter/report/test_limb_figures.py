@@ -8,6 +8,7 @@ from matplotlib.colors import to_hex
 from matplotlib.patches import Ellipse
 
 from arm.kinematics import axis_frames
+from benchmarks.simulated_people.person import person
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_fit import LimbFit
 from fitter.limb.marker_observations import SWAY
@@ -16,7 +17,6 @@ from fitter.report.figures import ERROR, MEASURED, SIMULATED
 from fitter.report.limb_figures import angles_over_time, gaps_and_swaps, marker_errors, stick_figure
 from limbcal.note import Note
 from protocol.markers.recording import MarkerRecording
-from tests.fitter.limb.simulated_person import person
 
 
 @pytest.fixture(scope="module")

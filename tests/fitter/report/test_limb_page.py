@@ -2,11 +2,11 @@
 
 import numpy as np
 
+from benchmarks.simulated_people.person import person, with_gaps
 from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
 from fitter.report.limb_page import write_limb_page
 from limbcal.note import Note
-from tests.fitter.limb.simulated_person import person, with_gaps
 
 
 def test_the_page_has_segments_centres_rivals_and_pictures(tmp_path):

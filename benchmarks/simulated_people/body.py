@@ -37,6 +37,7 @@ class Truth:
 
 
 def joint(name: str) -> int:
+    """Return which joint of the body has a name, from 0."""
     return WHERE.joints.index(name)
 
 
