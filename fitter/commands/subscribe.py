@@ -82,7 +82,8 @@ def subscribe(arguments: argparse.Namespace) -> Document | None:
         context.destroy(linger=0)  # also what an interrupt left open
     document = _document(arguments, followed)
     if followed.trouble is not None:
-        followed.trouble.document = document
+        if followed.session.calibration.learnt:  # nothing learnt is lost, and nothing is no answer
+            followed.trouble.document = document
         raise followed.trouble
     if followed.stopped:  # a stop that was asked for is a success, but what is missing is missing
         _shortfall(followed.session, None)

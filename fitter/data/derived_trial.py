@@ -77,4 +77,5 @@ def derive(motion: Uniform, cutoff_hz: float, band_hz: float) -> Trial:
         drives=None if drives is None else drives.rows(inner),
         label=measured.label,
         piece_of=measured.piece_of,
+        target_std=measured.target_std,
     )

@@ -53,6 +53,9 @@ class Measured:
         The name of the trial that it is a piece of, if that was parted.
     draws : Draws or None
         The motion as it may have been, where its tracker says so.
+    target_std : (n_joint,) [N m or N], or None
+        Where nobody recorded ``ref`` and it is the target that a calibrated arm explains the motion with: standard
+        deviation of the constant torque by which it is off, taken to be that of what varies beside it.
     """
 
     name: str
@@ -67,6 +70,7 @@ class Measured:
     felt: Felt | None = None
     piece_of: str = ""
     draws: Draws | None = None
+    target_std: Floats | None = None
 
     @property
     def label(self) -> str:
@@ -90,6 +94,7 @@ class Measured:
             None if self.labels is None else self.labels[begin:end],
             self.stated,
             draws=None if self.draws is None else self.draws.rows(slice(begin, end)),
+            target_std=self.target_std,
         )
 
     def piece(self, begin: int, end: int, k: int, *notes: Note) -> "Measured":

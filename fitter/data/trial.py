@@ -74,6 +74,9 @@ class Trial:
         What stands in its ``trial`` column; nothing without one.
     piece_of : str
         The name of the trial that it is a piece of, if that was parted.
+    target_std : (n_joint,) [N m or N], or None
+        Where nobody recorded ``ref`` and it is the target that a calibrated arm explains the motion with: standard
+        deviation of the constant torque by which it is off, taken to be that of what varies beside it.
     """
 
     name: str
@@ -101,6 +104,7 @@ class Trial:
     drives: DriveState | None = None
     label: str = ""
     piece_of: str = ""
+    target_std: Floats | None = None
 
     @property
     def identity(self) -> TrialId:

@@ -133,7 +133,7 @@ def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Moti
     residual_power, power = np.zeros((2, regression.arm.n_joint))
     for motion in motions:
         residual_power += np.nansum(torque_residual(regression, fitted, motion) ** 2, axis=0)
-        power += np.nansum(np.where(motion.stuck, np.nan, motion.u) ** 2, axis=0)
+        power += np.nansum(np.where(motion.unknown, np.nan, motion.u) ** 2, axis=0)
     return [float(x) for x in 1.0 - residual_power / np.where(power > 0.0, power, np.nan)]
 
 

@@ -11,11 +11,13 @@ It is compared with the novelty of each of the learning motions relative to the 
 """
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy.linalg
 from scipy.ndimage import binary_erosion, gaussian_filter1d
 
+from arm.control import gains
 from arm.effects.effect_table import changed, effect_table
 from arm.effects.joint_numbers import ROTOR
 from arm.model import Arm, Floats
@@ -99,8 +101,36 @@ def novelty(some: Sequence[Floats], others: Sequence[Floats]) -> float:
 
 
 def torque_residual(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
-    """Return the torque that a model leaves of what was measured, NaN while stuck, (n_sample, n_joint)."""
-    return np.where(motion.stuck, np.nan, regression.equations.residual_torque(fitted.model, fitted.x, motion))
+    """Return the torque that a model leaves of what was measured, NaN where that is unknown, (n_sample, n_joint).
+
+    Where nobody recorded the target it is the one that this model explains the motion with.
+    """
+    residual = _by_given_target(regression, fitted, motion)
+    return residual - _mean(residual) if motion.trial.target_std is not None else residual
+
+
+def aimed(regression: Regression, fitted: Candidate, motion: Motion) -> Motion:
+    """Return a motion with the target that a model explains it with, where nobody recorded one."""
+    trial = motion.trial
+    if trial.target_std is None or trial.ref is None:
+        return motion
+    missing, kp = (
+        _mean(_by_given_target(regression, fitted, motion)),
+        gains(regression.arm.control, trial.q.shape[1])[0],
+    )
+    off = np.where(kp != 0.0, missing / np.where(kp != 0.0, kp, 1.0), 0.0)
+    return replace(motion, trial=replace(trial, ref=trial.ref - off * (trial.ref == trial.ref[-1])))
+
+
+def _by_given_target(regression: Regression, fitted: Candidate, motion: Motion) -> Floats:
+    return np.where(motion.unknown, np.nan, regression.equations.residual_torque(fitted.model, fitted.x, motion))
+
+
+def _mean(values: Floats) -> Floats:
+    """Return the mean of what is known, joint by joint; zero where nothing is."""
+    is_known = np.isfinite(values)
+    total = np.sum(np.where(is_known, values, 0.0), axis=0)
+    return np.asarray(total / np.maximum(np.count_nonzero(is_known, axis=0), 1), dtype=np.float64)
 
 
 def unfiltered(residual: Floats, motion: Motion) -> Floats | None:
@@ -136,7 +166,7 @@ def judged(
     """
     turns = np.array([joint.type == "revolute" for joint in arm.joints])
     torque, trial, raw, off = list[Floats](), list[int](), list[Floats](), list[Floats]()
-    angles = side_by_side(lambda motion: simulated(arm, motion, horizon_s), motions)
+    angles = side_by_side(lambda motion: simulated(arm, aimed(regression, fitted, motion), horizon_s), motions)
     for k, (motion, followed) in enumerate(zip(motions, angles, strict=True)):
         residual = torque_residual(regression, fitted, motion)
         seen = smooth(residual, motion.dt_s, regression.weighting.seen_hz)

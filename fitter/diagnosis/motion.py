@@ -46,6 +46,8 @@ class Motion:
         -1, 0 or 1.
     stuck : (n_sample, n_joint) bool
         Where a joint stands still for a while: any torque up to its friction may hold it there.
+    contradicted : (n_sample, n_joint) bool
+        Where the data itself says that the torque tells nothing of the arm, see `fitter.data.trial.Trial`.
     dt_s : float
         Step of its grid: `SAMPLES` a period of the columns' corner are enough.
     jumps : tuple of (float, int, float)
@@ -65,6 +67,7 @@ class Motion:
     speed_noise: Floats
     direction: Floats
     stuck: NDArray[np.bool_]
+    contradicted: NDArray[np.bool_]
     dt_s: float
     jumps: tuple[tuple[float, int, float], ...] = ()
 
@@ -72,6 +75,11 @@ class Motion:
     def identity(self) -> TrialId:
         """What effects of an arm file call it."""
         return replace(self.trial, number=self.number).identity
+
+    @property
+    def unknown(self) -> NDArray[np.bool_]:
+        """Where no equation holds for a joint's torque, (n_sample, n_joint)."""
+        return self.stuck | self.contradicted
 
     @property
     def ahead_s(self) -> float:

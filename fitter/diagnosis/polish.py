@@ -20,7 +20,7 @@ from arm.model import Arm, Floats
 from fitter.diagnosis.estimates import Estimates, estimates, information_of, significant
 from fitter.diagnosis.extended_arm import ModelNumbers, extended_arm, given_effects, model_numbers
 from fitter.diagnosis.finding import Conclusion, Polished
-from fitter.diagnosis.held_out import judged, smooth, torque_residual
+from fitter.diagnosis.held_out import aimed, judged, smooth, torque_residual
 from fitter.diagnosis.held_out_error import Errors
 from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, ROUNDED, SIGMAS, SLOPE
 from fitter.diagnosis.model import Candidate
@@ -73,7 +73,8 @@ def polished(
     if come_to.final is come_to.search.base or come_to.search.floor.is_none:
         return None
     plain = sticking(extended_arm(regression, come_to.final, come_to.numbers), come_to.held)
-    moved = _moved(regression, come_to, plain, [one for one in motions if one.learn], horizon_s)
+    learning = [aimed(regression, come_to.final, one) for one in motions if one.learn]
+    moved = _moved(regression, come_to, plain, learning, horizon_s)
     if moved is None:
         return None
     candidate, covariance = moved

@@ -173,6 +173,7 @@ def run_of(
                 speed_noise,
                 direction,
                 stuck[::step],
+                ~trial.counted[::step],
                 dt_s,
                 _jumps(arm, trial, step),
             )

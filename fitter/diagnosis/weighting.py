@@ -131,6 +131,9 @@ class Weighting(Whitening):
                 roughly.append(_at(j, size[:, None] * shapes, n_joint))
                 shapes = rest_shapes(motion.stuck[:, j], motion.dt_s)
             anyhow.append(_at(j, shapes, n_joint))
+            anyhow.append(_at(j, holding_shapes(motion.contradicted[:, j], motion.dt_s), n_joint))
+            if (std := motion.trial.target_std) is not None:
+                roughly.append(_at(j, np.full((n, 1), std[j]), n_joint))
         white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
         return first, second

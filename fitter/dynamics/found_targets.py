@@ -10,6 +10,7 @@ from fitter.data.plausibility.saturated import CONTRADICTED
 from fitter.data.torque_target import target_of
 from fitter.data.trial import Trial
 from fitter.data.trials import to_trials
+from fitter.dynamics.evaluation import torque_rms
 from fitter.dynamics.fit import fit_dynamics
 from limbcal.note import Note
 
@@ -77,7 +78,8 @@ def with_target(arm: Arm, trial: Trial, source: Measured | None = None) -> Measu
         columns["ref"] = target_of(arm, trial)
     if trial.contradicted is not None:
         columns[CONTRADICTED] = trial.contradicted.astype(np.float64)
+    std = torque_rms(arm, [trial]) if "ref" in columns and trial.ref is None else None
     where, first_row = ("stream", 0) if source is None else (source.where, source.first_row)
     start_s = trial.began_s if source is not None else 0.0
     notes = (*trial.notes, Note("hint", HINT))
-    return Measured(trial.name, where, first_row, start_s + trial.t, columns, role=trial.role, notes=notes)
+    return Measured(trial.name, where, first_row, start_s + trial.t, columns, trial.role, notes, target_std=std)

@@ -7,8 +7,10 @@ import pytest
 
 from fitter.data.trials import to_trials
 from fitter.diagnosis.error_floor import regression_of
-from fitter.diagnosis.held_out import likeness, novelty
+from fitter.diagnosis.held_out import aimed, likeness, novelty, torque_residual
 from fitter.diagnosis.held_out_error import Errors, Judged
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
 from tests.fitter.pendulum import pendulum, swings
 
@@ -72,3 +74,38 @@ def test_a_motion_that_goes_farther_is_another_kind_and_one_that_hardly_moves_is
 
 def test_without_motions_held_back_there_is_nothing_to_say(trials):
     assert likeness(regression_of(pendulum(), run_of(pendulum(), trials, []))) is None
+
+
+@pytest.fixture(scope="module")
+def swung(trials):
+    regression = regression_of(pendulum(), run_of(pendulum(), trials[:4], trials[4:]))
+    return regression, fitted(regression, Model()), regression.motions[-1]
+
+
+def off_by(motion, rad):
+    """Return a motion whose target was found and is off by so much."""
+    trial = replace(motion.trial, ref=motion.trial.ref + rad, target_std=np.array([0.1]))
+    return replace(motion, trial=trial, u=motion.u + rad * pendulum().control.kp[0])
+
+
+def test_a_found_target_is_that_of_each_model(swung):
+    """By eq. (5) a target that is off by some angle is a torque that is off by kp times as much."""
+    regression, model, motion = swung
+    right, wrong = off_by(motion, 0.0), off_by(motion, 0.3)
+    both = [torque_residual(regression, model, one) for one in (right, wrong)]
+    np.testing.assert_allclose(both[1], both[0], atol=1e-9)
+    targets = [aimed(regression, model, one).trial.ref[-1] for one in (right, wrong)]
+    np.testing.assert_allclose(targets[1], targets[0], atol=1e-9)
+
+
+def test_a_recorded_target_stays(swung):
+    regression, model, motion = swung
+    assert aimed(regression, model, motion) is motion
+
+
+def test_what_the_data_contradicts_has_no_residual(swung):
+    regression, model, motion = swung
+    contradicted = np.zeros_like(motion.stuck)
+    contradicted[10:20] = True
+    residual = torque_residual(regression, model, replace(motion, contradicted=contradicted))
+    assert np.isnan(residual[10:20]).all()

@@ -1,5 +1,7 @@
 """The equations' weights: how large noise is, and what holds a joint is not seen."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -44,3 +46,34 @@ def test_what_is_eliminated_is_not_told(regression):
     assert 0.0 < filt.n_effective(motion) < filt.n_in_band(rows, motion.dt_s)
     lost = filt.axes(motion)[1]
     assert filt.n_in_band(rows, motion.dt_s) - filt.n_effective(motion) <= len(lost)
+
+
+def of_trial(regression, **known):
+    """Return a motion whose trial and itself are known to be otherwise, under a number of its own."""
+    motion = regression.motions[0]
+    trial = replace(motion.trial, **{name: known[name] for name in ("target_std",) if name in known})
+    marked = {name: known[name] for name in ("contradicted",) if name in known}
+    return replace(motion, trial=trial, number=99, **marked)
+
+
+def test_a_constant_torque_counts_as_far_as_a_found_target_is_known(regression):
+    weighting = first_weighting(regression.arm, regression.motions)
+    motion = regression.motions[0]
+    one = np.ones((len(motion.t), 1))
+    seen = np.linalg.norm(weighting.filtered_at(motion, 0, one))
+    for number, std in enumerate((1e-9, 1.0, 1e3), 100):
+        motion = replace(of_trial(regression, target_std=np.array([std])), number=number)
+        found = np.linalg.norm(weighting.filtered_at(motion, 0, one))
+        assert found == pytest.approx(
+            seen / np.hypot(1.0, std * seen), rel=1e-3
+        )  # by its variance and white noise's
+
+
+def test_torques_that_the_data_contradicts_are_not_seen(regression):
+    weighting = first_weighting(regression.arm, regression.motions)
+    contradicted = np.zeros_like(regression.motions[0].stuck)
+    contradicted[40:80] = True
+    motion = of_trial(regression, contradicted=contradicted)
+    shapes = holding_shapes(contradicted[:, 0], motion.dt_s)
+    seen, left = weighting.whitened_at(motion, 0, shapes), weighting.filtered_at(motion, 0, shapes)
+    assert np.linalg.norm(left) < 1e-4 * np.linalg.norm(seen)
