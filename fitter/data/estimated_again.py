@@ -11,6 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from arm.model import Arm
+from fitter.data.leaps import MINIMUM_SAMPLES
 from fitter.data.motions import Measured
 from fitter.data.recordings import read_frames
 from fitter.data.uncertain_motion import UNCERTAIN, with_uncertain_marked
@@ -70,12 +71,14 @@ def estimated_again(follower: MotionFollower, motion: Measured) -> Measured:
     try:
         known = follower.follow(felt.readings, felt.q, felt.q_std, felt.end_q)
     except LimbcalError as error:
-        note = Note("tracked", f"not estimated again from its readings ({error}): taken as it was tracked")
-        return replace(motion, notes=(*motion.notes, note), felt=None)
+        return _as_tracked(motion, str(error))
     rests = np.flatnonzero(known.still & (felt.t_s <= motion.t[0]))
     begin, end = int(rests[-1]) if len(rests) else 0, int(np.searchsorted(felt.t_s, motion.t[-1], side="right"))
     # Where the arm is held to be at rest paths stand still, though it may still creep.
-    rows = slice(begin, int(np.flatnonzero(~known.still[:end])[-1]) + 1)
+    moves = begin + np.flatnonzero(~known.still[begin:end])
+    rows = slice(begin, int(moves[-1]) + 1 if len(moves) else begin)
+    if rows.stop - rows.start < MINIMUM_SAMPLES:
+        return _as_tracked(motion, f"it has {rows.stop - rows.start} instants from rest to rest")
     columns = {name: getattr(known, name)[rows] for name in ("q", "dq", "ddq", "points")}
     said = Note("estimated", "estimated again from its readings, all of them at once from rest to rest")
     notes = (*(note for note in motion.notes if note.kind not in _OF_TRACKER), said)
@@ -84,3 +87,8 @@ def estimated_again(follower: MotionFollower, motion: Measured) -> Measured:
     lost = np.any(np.isnan(felt.readings.values[rows]), axis=1)
     claims = {name: np.std(getattr(draws, name), axis=0) for name in ("q", "dq", "ddq")}
     return with_uncertain_marked(found, lost, claims)
+
+
+def _as_tracked(motion: Measured, why: str) -> Measured:
+    note = Note("tracked", f"not estimated again from its readings ({why}): taken as it was tracked")
+    return replace(motion, notes=(*motion.notes, note), felt=None)

@@ -13,7 +13,7 @@ from fitter.data.resample import CROWDED, Floats, curve_through
 from limbcal.note import Note
 from protocol.tables.columns import JOINT_ROLES
 
-#: A rate may be off by this share: a tenth of what accelerometers' scales are off by.
+#: Relative error of a rate that is tolerated: a tenth of the error of accelerometers' scales.
 _RATE = 1e-3
 #: Standard deviations of a rate by which jitter makes it seem to be off.
 _SIGMAS = 5.0

@@ -15,7 +15,7 @@ Floats = NDArray[np.float64]
 #: Readings are averaged over so long before a motion is estimated anew from all of them [s]: an arm's motion has
 #: next to nothing above 100 Hz.
 STEP_S = 0.004
-#: So much of the rest before a motion counts [s]: offsets drawn from it are by far better known than they last.
+#: Length of the rest before a motion that is estimated with it [s]; the live fitter keeps no more.
 REST_S = 2.0
 
 

@@ -1,4 +1,4 @@
-"""Skin that slides under a marker as a joint turns, told from a limb whose axes are off.
+"""Skin that slides under a marker as a joint turns, distinguished from a limb whose axes are off.
 
 A marker's error against the others goes with a joint's angle in both cases. An axis or length that is off takes
 all markers of a link along as one rigid body; skin takes one of them.

@@ -129,7 +129,7 @@ def strides(
 ) -> tuple[int, Floats, Floats, Floats, bool, bool, int, int]:
     """Do `stride` cell by cell, and judge at the end of each whether the arm rests.
 
-    To hand so many arrays to a kernel takes longer than a frame. Where a step fails nothing was changed.
+    Passing these arrays to a kernel takes longer than a frame. A step that fails changes nothing.
 
     Parameters
     ----------

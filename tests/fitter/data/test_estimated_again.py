@@ -1,13 +1,14 @@
 """Motions estimated again from the readings that come with frames, and intervals that hold because of it."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
 from arm.base_parameters import base_parameters
 from arm.regressor import standard_parameters
-from fitter.data.estimated_again import recorded_motions
+from fitter.data.estimated_again import estimated_again, follower_of, recorded_motions
 from fitter.data.felt import STEP_S
 from fitter.data.recordings import read_frames
 from fitter.dynamics.fit import fit_dynamics
@@ -145,3 +146,16 @@ def test_instants_that_were_lost_do_not_count(short_run, tmp_path):
     lost = np.flatnonzero(motion.columns["contradicted"].any(axis=1))
     assert {note.kind for note in motion.notes} >= {"uncertain", "estimated"}
     assert 0 < len(lost) < 0.5 * len(motion.t)
+
+
+@pytest.mark.parametrize("moving", [0, 3])
+def test_a_motion_that_is_nearly_all_rest_stays_as_it_was_tracked(short_run, tmp_path, moving):
+    tracked = read_frames([recorded(short_run, tmp_path / "run.mcap", "filter")], 2)[0]
+    follower = follower_of(short_run.arm)
+    felt = tracked.felt
+    known = follower.follow(felt.readings, felt.q, felt.q_std, felt.end_q)
+    still = np.ones_like(known.still)
+    still[len(still) // 2 : len(still) // 2 + moving] = False
+    late = replace(tracked, t=felt.t_s[len(still) // 2] + tracked.t - tracked.t[0])
+    found = estimated_again(SimpleNamespace(follow=lambda *_: replace(known, still=still)), late)
+    assert found.columns is late.columns and found.notes[-1].kind == "tracked"

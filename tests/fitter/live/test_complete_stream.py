@@ -167,13 +167,13 @@ def test_a_daemon_that_begins_anew_with_another_arm_is_refused():
         stream.receive(0)
 
 
-@pytest.mark.parametrize(("expected", "told"), [("right", ["other_arm"]), ("left", []), (None, [])])
-def test_a_stream_of_another_arm_is_told_once(expected, told):
+@pytest.mark.parametrize(("expected", "kinds"), [("right", ["other_arm"]), ("left", []), (None, [])])
+def test_a_stream_of_another_arm_is_noted_once(expected, kinds):
     notes = []
     messages = [(FRAMES, {"run": RUN, "arm": "left", "seq": seq}) for seq in range(3)]
     stream = CompleteStream(Inbox(messages), notes.append, Clock(), expected)
     assert [stream.receive(0) for _ in messages] == messages
-    assert [note.kind for note in notes] == told
+    assert [note.kind for note in notes] == kinds
 
 
 def test_a_stream_that_never_says_whether_it_is_recorded(path):
