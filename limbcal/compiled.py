@@ -1,12 +1,13 @@
 """One place that says how kernels are compiled."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any, TypeVar, cast
 
 import numba
 from numba import carray, types  # type: ignore[attr-defined]
 from numba.core import cgutils
+from numba.core.ccallback import CFunc
 from numba.extending import intrinsic, overload
 from numpy.typing import NDArray
 
@@ -28,6 +29,17 @@ def compiled(kernel: Kernel) -> Kernel:
 def inlined(kernel: Kernel) -> Kernel:
     """Compile as `compiled` does, into each of its callers: kernels that hand many arrays on cost them no time."""
     return _kept(numba.njit(nogil=True, error_model="numpy", forceinline=True)(kernel), kernel)
+
+
+def c_function(function: Callable[..., float], kinds: Sequence[types.Type]) -> Callable[..., float]:
+    """Compile a function of the types ``kinds`` that returns a float to a C function, cached as kernels are.
+
+    Its ``address`` is what compiled code calls it by.
+    """
+    callback: Any = CFunc(function, (tuple(kinds), types.float64), {}, {})
+    callback._cache = KernelCache(function)  # noqa: SLF001 - as its own `enable_caching` does
+    callback.compile()
+    return cast(Callable[..., float], callback)
 
 
 def _kept(dispatcher: Any, kernel: Kernel) -> Kernel:

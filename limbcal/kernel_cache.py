@@ -15,6 +15,7 @@ from typing import Any, cast
 from numba.core import event
 from numba.core.caching import FunctionCache
 from numba.core.dispatcher import Dispatcher
+from numba.core.runtime.nrt import rtsys
 
 from limbcal.uninterrupted import SignalsLater
 
@@ -38,9 +39,17 @@ class KernelCache(FunctionCache):
         self._stamped = False
 
     def load_overload(self, sig: object, target_context: object) -> object:
-        """Return what was compiled for some types, or None."""
+        """Return what was compiled for some types, or None.
+
+        Machine code asks for the compiler's runtime alone. Its own cache fetches all that the compiler knows to
+        compile as well, which takes a process longer than all else at its start.
+        """
         self._stamp()
-        return cast(object, super().load_overload(sig, target_context))  # type: ignore[no-untyped-call]
+        rtsys.initialize(target_context)
+        found: object = None
+        with self._guard_against_spurious_io_errors():
+            found = self._load_overload(sig, target_context)  # type: ignore[no-untyped-call]
+        return found
 
     def _save_overload(self, sig: object, data: object) -> None:
         self._stamp()

@@ -7,7 +7,6 @@ A call costs a few nanoseconds.
 from collections.abc import Callable, Sequence
 from typing import Any, cast
 
-import numba
 import numpy as np
 from llvmlite import ir
 from numba import types
@@ -16,7 +15,7 @@ from numba.extending import intrinsic
 
 from arm.effects.effect import EffectKind
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import c_function, compiled
 
 #: What a joint torque may depend on, in this order: the run's time [s], the joint's angle, velocity and direction
 #: of motion (-1, 0 or 1), the torque that drives it, and its own viscous and Coulomb friction.
@@ -32,7 +31,7 @@ _POINTER: Any = types.CPointer(types.float64)  # type: ignore[no-untyped-call]
 
 def joint_torque(function: Callable[[Numbers, Numbers], float]) -> Callable[..., float]:
     """Compile ``function(x, p)`` to a C function; x holds the state as above, p the effect's parameters."""
-    return cast(Callable[..., float], numba.cfunc(types.float64(_POINTER, _POINTER), cache=True)(function))
+    return c_function(function, (_POINTER, _POINTER))
 
 
 def _call(_context: Any, address: Any, x: Any, p: Any) -> Any:

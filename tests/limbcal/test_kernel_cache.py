@@ -35,13 +35,17 @@ def middle(pair):
 """
 CALLER = """
 import sys
+from numba import types
 from numba.core import event
-from limbcal.compiled import compiled
+from limbcal.compiled import c_function, compiled
 from between import FACTOR, Pair, middle
 
 @compiled
 def outer(pair):
     return FACTOR * middle(pair)
+
+def resists(x):
+    return FACTOR * x
 
 class Compiled(event.Listener):
     n = 0
@@ -52,7 +56,9 @@ class Compiled(event.Listener):
 
 listener = Compiled()
 with event.install_listener("numba:compile", listener):
-    print(outer(Pair(1.0, 0.0)), listener.n > 0)
+    value = outer(Pair(1.0, 0.0))
+    assert c_function(resists, (types.float64,)).ctypes(1.0) == FACTOR
+print(value, listener.n > 0, "numba.typed.typeddict" in sys.modules)
 """
 
 
@@ -62,14 +68,15 @@ def run(tmp_path):
     environment = {**os.environ, "NUMBA_CACHE_DIR": str(tmp_path / "cache"), "PYTHONDONTWRITEBYTECODE": "1"}
 
     def run(factor, term, module="called"):
-        """Return what the kernel gives, and whether anything had to be compiled."""
+        """Return what the kernel gives, and whether anything had to be compiled; else no compiler is fetched."""
         for known in ("called", "moved"):
             (tmp_path / f"{known}.py").unlink(missing_ok=True)
         (tmp_path / f"{module}.py").write_text(CALLED.format(factor=factor, term=term))
         (tmp_path / "between.py").write_text(BETWEEN.format(module=module))
         command = [sys.executable, str(tmp_path / "caller.py")]
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=True)
-        value, fresh = done.stdout.split()
+        value, fresh, whole = done.stdout.split()
+        assert whole == fresh
         return float(value), fresh == "True"
 
     return run
