@@ -10,7 +10,7 @@ import hashlib
 import types
 from collections.abc import Callable, Iterator
 from pathlib import Path
-from typing import Any, cast
+from typing import Any
 
 from numba.core import event
 from numba.core.caching import FunctionCache
