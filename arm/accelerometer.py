@@ -3,10 +3,10 @@
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Chain, chain_of, motion_rows
+from arm.chain import Chain, chain_of, motion_rows, poses
 from arm.kinematics import rotation_from_rpy
 from arm.model import Arm, Floats
-from arm.newton_euler import poses, rigid_motion
+from arm.newton_euler import rigid_motion
 from limbcal.compiled import compiled
 
 

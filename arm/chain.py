@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from arm.model import Arm, Floats, Joint
-from limbcal.compiled import compiled
+from limbcal.compiled import compiled, inlined
 from limbcal.errors import DataError
 
 
@@ -33,6 +33,9 @@ class Chain(NamedTuple):
     hang : (n, 4)
         Where on it: the share of the parent's a (1 at its far end), and x, y, z beyond that [m], in the parent's
         joint-axis frame. `hang_on` adds them up.
+    zero_R : (n, 3, 3)
+    zero_p : (n, 3) [m]
+        The pose of each joint-axis frame in its parent's where q is zero: what eq. (1) has of constants.
     """
 
     revolute: NDArray[np.bool_]
@@ -43,13 +46,20 @@ class Chain(NamedTuple):
     drag: Floats
     parent: NDArray[np.int64]
     hang: Floats
+    zero_R: Floats
+    zero_p: Floats
 
 
 def chain_of(arm: Arm) -> Chain:
     """Return the arm's numbers as arrays."""
+    geometry = np.array([[j.alpha_rad, j.a_m, j.d_m, j.beta_rad, j.theta_offset_rad] for j in arm.joints])
+    parent = np.array(arm.parents, dtype=np.int64)
+    hang = np.array([_hang(joint, on) for joint, on in zip(arm.joints, arm.parents, strict=True)])
+    zero_R, zero_p = np.empty((arm.n_joint, 3, 3)), np.empty((arm.n_joint, 3))
+    _zero_poses(geometry, parent, hang, zero_R, zero_p)
     return Chain(
         np.array([joint.type == "revolute" for joint in arm.joints]),
-        np.array([[j.alpha_rad, j.a_m, j.d_m, j.beta_rad, j.theta_offset_rad] for j in arm.joints]),
+        geometry,
         np.array(
             [
                 [*j.link.inertia_kg_m2, *(j.link.mass_kg * s for s in j.link.com_m), j.link.mass_kg]
@@ -59,8 +69,10 @@ def chain_of(arm: Arm) -> Chain:
         np.array([[j.friction.viscous_N_m_s, j.friction.coulomb_N_m, j.friction.static_N_m] for j in arm.joints]),
         np.array(arm.gravity_m_s2, dtype=float),
         np.array([joint.link.air_drag_N_m_s2 or 0.0 for joint in arm.joints]),
-        np.array(arm.parents, dtype=np.int64),
-        np.array([_hang(joint, parent) for joint, parent in zip(arm.joints, arm.parents, strict=True)]),
+        parent,
+        hang,
+        zero_R,
+        zero_p,
     )
 
 
@@ -129,3 +141,48 @@ def hang_on(geometry: Floats, parent: NDArray[np.int64], hang: Floats, i: int, p
         p[0] += hang[i, 0] * geometry[parent[i], 1]
     for row in range(3):
         p[row] += hang[i, 1 + row]
+
+
+@compiled
+def _zero_poses(geometry: Floats, parent: NDArray[np.int64], hang: Floats, R: Floats, p: Floats) -> None:
+    for i in range(parent.size):
+        alpha, _, d, beta, offset = geometry[i]
+        link_step(True, alpha, d, beta, offset, 0.0, R[i], p[i])
+        hang_on(geometry, parent, hang, i, p[i])
+
+
+@inlined
+def poses(chain: Chain, q: Floats, R: Floats, p: Floats) -> None:
+    """Fill in every joint-axis frame's pose in its parent's: R (n, 3, 3), p (n, 3)."""
+    for i in range(q.size):
+        if chain.revolute[i]:
+            turn_by(chain.zero_R[i], math.cos(q[i]), math.sin(q[i]), R[i])
+            for row in range(3):
+                R[i, row, 2], p[i, row] = chain.zero_R[i, row, 2], chain.zero_p[i, row]
+        else:
+            for row in range(3):
+                for col in range(3):
+                    R[i, row, col] = chain.zero_R[i, row, col]
+                p[i, row] = chain.zero_p[i, row] + q[i] * chain.zero_R[i, row, 2]
+
+
+@inlined
+def move(chain: Chain, q: Floats, cosine: Floats, sine: Floats, R: Floats, p: Floats) -> None:
+    """Do what `poses` does where R and p have been of the same chain, from cosines and sines of q.
+
+    Where there are many samples these are so evaluated all at once, and what does not change is left alone.
+    """
+    for i in range(q.size):
+        if chain.revolute[i]:
+            turn_by(chain.zero_R[i], cosine[i], sine[i], R[i])
+        else:
+            for row in range(3):
+                p[i, row] = chain.zero_p[i, row] + q[i] * chain.zero_R[i, row, 2]
+
+
+@inlined
+def turn_by(R0: Floats, cosine: float, sine: float, R: Floats) -> None:
+    """Fill in the first two columns of ``R0 Rot(z, q)``; the third is that of ``R0``."""
+    for row in range(3):
+        x, y = R0[row, 0], R0[row, 1]
+        R[row, 0], R[row, 1] = cosine * x + sine * y, cosine * y - sine * x

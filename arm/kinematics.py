@@ -8,9 +8,11 @@ the far end of the link. In a tree the frame before is that of the parent, moved
 from collections.abc import Sequence
 
 import numpy as np
+from numpy.typing import NDArray
 
-from arm.chain import Chain, chain_of, hang_on, joint_rows, link_step
+from arm.chain import Chain, chain_of, joint_rows, move
 from arm.model import Arm, Floats, Marker, Sensor
+from arm.sine_cosine import sines_cosines
 from limbcal.compiled import compiled
 
 
@@ -161,34 +163,38 @@ def rpy_from_rotation(rotation: Floats) -> Floats:
 
 @compiled
 def _axis_frames(chain: Chain, q: Floats, T: Floats) -> None:
-    n_sample, n_joint = q.shape
-    R, p = np.empty((3, 3)), np.empty(3)
-    for k in range(n_sample):
-        for i in range(n_joint):
-            alpha, _, d, beta, offset = chain.geometry[i]
-            link_step(chain.revolute[i], alpha, d, beta, offset, q[k, i], R, p)
-            hang_on(chain.geometry, chain.parent, chain.hang, i, p)
-            now = T[k, i]
-            now[3, 3] = 1.0
-            if chain.parent[i] < 0:
-                now[:3, :3] = R
-                now[:3, 3] = p
-                continue
-            before = T[k, chain.parent[i]]
-            for row in range(3):
-                now[row, 3] = before[row, 3]
-                for col in range(3):
-                    now[row, 3] += before[row, col] * p[col]
-                    now[row, col] = (
-                        before[row, 0] * R[0, col] + before[row, 1] * R[1, col] + before[row, 2] * R[2, col]
-                    )
+    sine, cosine = sines_cosines(q)
+    R, p = chain.zero_R.copy(), chain.zero_p.copy()
+    for k in range(q.shape[0]):
+        move(chain, q[k], cosine[k], sine[k], R, p)
+        _fill_in(chain.parent, R, p, T[k])
+
+
+@compiled
+def _fill_in(parent: NDArray[np.int64], R: Floats, p: Floats, T: Floats) -> None:
+    """Fill in the frames of one sample, (n_joint, 4, 4), from their poses in their parents'; the rest is zero."""
+    for i in range(parent.size):
+        now = T[i]
+        now[3, 3] = 1.0
+        if parent[i] < 0:
+            now[:3, :3] = R[i]
+            now[:3, 3] = p[i]
+            continue
+        before = T[parent[i]]
+        for row in range(3):
+            x, y, z = before[row, 0], before[row, 1], before[row, 2]
+            now[row, 3] = before[row, 3] + x * p[i, 0] + y * p[i, 1] + z * p[i, 2]
+            for col in range(3):
+                now[row, col] = x * R[i, 0, col] + y * R[i, 1, col] + z * R[i, 2, col]
 
 
 @compiled
 def _tips(chain: Chain, q: Floats, tips: Floats) -> None:
-    n_sample, n_joint = q.shape
-    T = np.zeros((n_sample, n_joint, 4, 4))
-    _axis_frames(chain, q, T)
-    for k in range(n_sample):
+    sine, cosine = sines_cosines(q)
+    last = q.shape[1] - 1
+    R, p, T = chain.zero_R.copy(), chain.zero_p.copy(), np.zeros((q.shape[1], 4, 4))
+    for k in range(q.shape[0]):
+        move(chain, q[k], cosine[k], sine[k], R, p)
+        _fill_in(chain.parent, R, p, T)
         for row in range(3):
-            tips[k, row] = T[k, n_joint - 1, row, 3] + chain.geometry[n_joint - 1, 1] * T[k, n_joint - 1, row, 0]
+            tips[k, row] = T[last, row, 3] + chain.geometry[last, 1] * T[last, row, 0]

@@ -1,12 +1,12 @@
 """The equations of motion as `arm.integration` solves them, step by step and without making arrays."""
 
-from arm.chain import Chain
+from arm.chain import Chain, poses
 from arm.composite_bodies import mass_rows
 from arm.drive import SHARE, TORQUE, Commands, drive_at, go_its_way
 from arm.effects.effect_table import EffectTable
 from arm.effects.joint_numbers import ROTOR
 from arm.model import Floats
-from arm.newton_euler import poses, rigid_motion, rigid_torque
+from arm.newton_euler import rigid_motion, rigid_torque
 from arm.resistance import resist
 from arm.room import Room
 from limbcal.compiled import compiled, inlined

@@ -13,12 +13,12 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.chain import Chain, chain_of, joint_rows, link_step, motion_rows
+from arm.chain import Chain, chain_of, joint_rows, motion_rows, move
 from arm.composite_bodies import mass_rows
 from arm.model import Arm, Floats
 from arm.sine_cosine import sines_cosines
 from arm.triple import cross, turned, turned_back
-from limbcal.compiled import compiled, inlined
+from limbcal.compiled import borrowed, compiled
 from limbcal.errors import DataError
 
 
@@ -127,45 +127,6 @@ def tip_wrench(force: Floats | None, moment: Floats | None, n_sample: int) -> Fl
                 raise DataError(f"{name} has shape {np.shape(given)}, expected ({n_sample}, 3)")
             part[:] = given
     return wrench
-
-
-@inlined
-def poses(chain: Chain, q: Floats, R: Floats, p: Floats) -> None:
-    """Fill in every joint-axis frame's pose in its parent's: R (n, 3, 3), p (n, 3)."""
-    for i in range(q.size):
-        alpha, _, d, beta, offset = chain.geometry[i]
-        link_step(chain.revolute[i], alpha, d, beta, offset, q[i], R[i], p[i])
-        before = chain.parent[i]
-        if before >= 0:
-            p[i, 0] += chain.hang[i, 0] * chain.geometry[before, 1]
-        for row in range(3):
-            p[i, row] += chain.hang[i, 1 + row]
-
-
-@compiled
-def move(
-    revolute: NDArray[np.bool_],
-    q: Floats,
-    cosine: Floats,
-    sine: Floats,
-    R0: Floats,
-    p0: Floats,
-    R: Floats,
-    p: Floats,
-) -> None:
-    """Turn or slide every joint from the arm's zero pose to q, whose cosines and sines are given.
-
-    Where there are many samples the constant angles of eq. (1) are so evaluated once, and the others all at once.
-    """
-    for i in range(q.size):
-        if revolute[i]:
-            c, s = cosine[i], sine[i]
-            for row in range(3):
-                x, y = R0[i, row, 0], R0[i, row, 1]
-                R[i, row, 0], R[i, row, 1] = c * x + s * y, c * y - s * x
-        else:
-            for row in range(3):
-                p[i, row] = p0[i, row] + q[i] * R0[i, row, 2]
 
 
 @compiled
@@ -288,22 +249,12 @@ def base_axes(parent: NDArray[np.int64], R: Floats, link: int, axes: Floats) -> 
 
 @compiled
 def _inverse_dynamics(
-    chain: Chain,
-    q: Floats,
-    cosine: Floats,
-    sine: Floats,
-    dq: Floats,
-    ddq: Floats,
-    wrench: Floats,
-    tau: Floats,
+    chain: Chain, q: Floats, cosine: Floats, sine: Floats, dq: Floats, ddq: Floats, wrench: Floats, tau: Floats
 ) -> None:
     n = q.shape[1]
-    R0, p0, tip = np.empty((n, 3, 3)), np.empty((n, 3)), np.empty(6)
-    poses(chain, np.zeros(n), R0, p0)
-    R, p, motion, branch, axes = (
-        R0.copy(), p0.copy(), np.empty((n, 3, 3)), np.zeros((n, 10)), np.empty((3, 3))
-    )  # fmt: skip
-    _torques(chain, q, cosine, sine, dq, ddq, wrench, R0, p0, R, p, motion, branch, axes, tip, tau)
+    R, p, motion = chain.zero_R.copy(), chain.zero_p.copy(), np.empty((n, 3, 3))
+    branch, axes, tip = np.zeros((n, 10)), np.empty((3, 3)), np.empty(6)
+    _torques(borrowed(chain), q, cosine, sine, dq, ddq, wrench, R, p, motion, branch, axes, tip, tau)
 
 
 @compiled
@@ -315,8 +266,6 @@ def _torques(
     dq: Floats,
     ddq: Floats,
     wrench: Floats,
-    R0: Floats,
-    p0: Floats,
     R: Floats,
     p: Floats,
     motion: Floats,
@@ -327,7 +276,7 @@ def _torques(
 ) -> None:
     """Do the work of `_inverse_dynamics`, which makes the arrays: a loop beside them takes a third longer."""
     for k in range(q.shape[0]):
-        move(chain.revolute, q[k], cosine[k], sine[k], R0, p0, R, p)
+        move(chain, q[k], cosine[k], sine[k], R, p)
         rigid_motion(chain, chain.gravity, R, p, dq[k], ddq[k], motion)
         tip_load(chain.parent, R, wrench[k], axes, tip)
         rigid_torque(chain, R, p, motion, tip, branch, tau[k])
@@ -337,8 +286,9 @@ def _torques(
 
 @compiled
 def _mass_matrices(chain: Chain, q: Floats, M: Floats) -> None:
-    n = q.shape[1]
-    R, p, branch = np.empty((n, 3, 3)), np.empty((n, 3)), np.zeros((n, 10))
+    sine, cosine = sines_cosines(q)
+    R, p, branch = chain.zero_R.copy(), chain.zero_p.copy(), np.zeros((q.shape[1], 10))
+    lent = borrowed(chain)  # to count references to its arrays at every sample takes longer than the matrix
     for k in range(q.shape[0]):
-        poses(chain, q[k], R, p)
-        mass_rows(chain, R, p, branch, M[k])
+        move(lent, q[k], cosine[k], sine[k], R, p)
+        mass_rows(lent, R, p, branch, M[k])

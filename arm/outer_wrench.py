@@ -7,9 +7,9 @@ row of the link that is touched and ends at the base. Links that are not on its 
 
 import numpy as np
 
-from arm.chain import Chain, chain_of, joint_rows, motion_rows
+from arm.chain import Chain, chain_of, joint_rows, motion_rows, poses
 from arm.model import Arm, Floats
-from arm.newton_euler import base_axes, inverse_dynamics, mass_matrix, poses
+from arm.newton_euler import base_axes, inverse_dynamics, mass_matrix
 from arm.triple import Triple, cross, turned
 from limbcal.compiled import compiled
 from limbcal.errors import DataError

@@ -13,7 +13,6 @@ import numpy as np
 
 from arm.chain import Chain, chain_of, motion_rows
 from arm.model import Arm, Floats
-from arm.newton_euler import poses
 from arm.regressor_lanes import (
     LANES,
     N_STATE,
@@ -24,6 +23,7 @@ from arm.regressor_lanes import (
     move_lanes,
     rigid_motion_lanes,
 )
+from arm.sine_cosine import sines_cosines
 from limbcal.compiled import compiled
 
 INERTIAL = ("I{}xx", "I{}yy", "I{}zz", "I{}xy", "I{}xz", "I{}yz", "m{}*sx{}", "m{}*sy{}", "m{}*sz{}", "m{}")
@@ -71,13 +71,12 @@ def regressor(arm: Arm, q: Floats, dq: Floats, ddq: Floats) -> Floats:
 def torque_rows(chain: Chain, q: Floats, dq: Floats, ddq: Floats, Y: Floats) -> None:
     """Fill in the rows of some samples: Y (n_sample, n_joint, 12 * n_joint), which must begin as zeros."""
     n_sample, n = q.shape
-    R0, p0 = np.empty((n, 3, 3)), np.empty((n, 3))
-    poses(chain, np.zeros(n), R0, p0)
+    R0, p0 = chain.zero_R, chain.zero_p
     R, p, state = np.empty((n, 9, LANES)), np.empty((n, 3, LANES)), np.empty((n, N_STATE, LANES))
     motion, unit = np.empty((n + 1, 9, LANES)), np.empty((n, n, 6, LANES))
     carried, powers = np.empty((6, LANES)), np.empty((10, LANES))
     begin_lanes(chain, R0, p0, R, p, motion, unit)
-    cosine, sine = np.cos(q), np.sin(q)
+    sine, cosine = sines_cosines(q)
     for first in range(0, n_sample, LANES):
         used = min(LANES, n_sample - first)
         fill_lanes(chain.revolute, first, used, q, cosine, sine, dq, ddq, state)

@@ -12,7 +12,7 @@ from limbcal.compiled import compiled
 #: Half pi as a sum: the first two have 33 bits each, so products with up to 20 bits of quarter turns are exact.
 _HALF_PI = (1.57079632673412561417e00, 6.07710050630396597660e-11, 2.02226624879595063154e-21)
 _QUARTERS_PER_RAD = 0.6366197723675814
-#: Quarter turns beyond which `numpy` is asked [1].
+#: Angle beyond which the library is asked [rad]: it has fewer quarter turns than the parts of half pi allow.
 _MOST_QUARTERS = 2.0**20
 _S = (
     -1.66666666666666324348e-01,
@@ -32,6 +32,7 @@ _C = (
 )
 
 
+@compiled
 def sines_cosines(angles: Floats) -> tuple[Floats, Floats]:
     """Return the sines and the cosines of angles [rad], each shaped like these.
 
@@ -39,10 +40,15 @@ def sines_cosines(angles: Floats) -> tuple[Floats, Floats]:
     ----------
     angles : contiguous array
     """
-    if not np.abs(angles).max(initial=0.0) < _MOST_QUARTERS:  # nor where one is no number
-        return np.sin(angles), np.cos(angles)
     sine, cosine = np.empty_like(angles), np.empty_like(angles)
-    _fill(angles.ravel(), sine.ravel(), cosine.ravel())
+    flat, flat_sine, flat_cosine = angles.ravel(), sine.ravel(), cosine.ravel()
+    near = True
+    for k in range(flat.size):
+        near &= abs(flat[k]) < _MOST_QUARTERS  # nor is one that is no number
+    if near:
+        _fill(flat, flat_sine, flat_cosine)
+    else:
+        flat_sine[:], flat_cosine[:] = np.sin(flat), np.cos(flat)
     return sine, cosine
 
 

@@ -64,6 +64,8 @@ def laid_out(  # noqa: PLR0915 - a line a part
     gravity, a = cut(floats, a, (3,))
     drag, a = cut(floats, a, (n,))
     hang, a = cut(floats, a, (n, 4))
+    zero_R, a = cut(floats, a, (n, 3, 3))
+    zero_p, a = cut(floats, a, (n, 3))
     law, a = cut(floats, a, (3, n))
     drive, a = cut(floats, a, (rows, n))
     parameters, a = cut(floats, a, (n_effect, MOST_PARAMETERS))
@@ -112,7 +114,7 @@ def laid_out(  # noqa: PLR0915 - a line a part
     slipping, a = cut(flags, a, (n,))
     k = drive.shape[0] - 1
     return Parts(
-        Chain(revolute, geometry, inertial, friction, gravity, drag, parent, hang),
+        Chain(revolute, geometry, inertial, friction, gravity, drag, parent, hang, zero_R, zero_p),
         Commands(law, counts[1] != 0, drive, clock[1], clock[0] - k * clock[1]),
         EffectTable(joint, address, parameters, directed, numbers, flags[a], flags[a + 1], payload),
         Room(R, p, motion, zero, A, M, net, bias, now, slip, hold, slipping, seen, branch, Way(way, past)),
@@ -155,7 +157,7 @@ class Memory:
 
     def __init__(self, chain: Chain, effects: EffectTable, n_past: int, step_s: float) -> None:
         n, n_effect, n_payload = len(chain.revolute), len(effects.joint), len(effects.payload)
-        size = (85 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
+        size = (97 + N_ROW) * n + 2 * n * n + (max(n_past, 1) + 2 * n_past) * n
         size += MOST_PARAMETERS * n_effect + 2 * n_payload + N_STATE + N_NUMBER + N_ACCOUNT + 93
         self.arrays = (
             np.zeros(size),

@@ -8,10 +8,10 @@ to effects, that of the last step is taken.
 import numpy as np
 from numpy.typing import NDArray
 
+from arm.chain import poses
 from arm.drive import GUESS, Commands, begin_stretch, end_stretch
 from arm.model import Floats
 from arm.motion_equations import acceleration, equations
-from arm.newton_euler import poses
 from arm.outer_wrench import point_motion
 from arm.resistance import take_up
 from arm.room import Room

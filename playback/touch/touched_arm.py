@@ -4,14 +4,14 @@ import math
 
 import numpy as np
 
-from arm.chain import chain_of
+from arm.chain import chain_of, poses
 from arm.control import gains
 from arm.drive import BEFORE, SHARE, Commands
 from arm.effects.effect_table import changed, effect_table
 from arm.effects.joint_numbers import DELAY, ROTOR
 from arm.effects.payload import with_load
 from arm.model import Arm, Floats
-from arm.newton_euler import bias_torque, mass_matrix, poses
+from arm.newton_euler import bias_torque, mass_matrix
 from arm.outer_wrench import point_motion
 from arm.resistance import friction_alone
 from arm.way_before import set_way

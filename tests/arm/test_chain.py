@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from arm.chain import chain_of, joint_rows, motion_rows
+from arm.chain import chain_of, hang_on, joint_rows, link_step, motion_rows, move, poses
 from arm.model import Arm, Joint
 from limbcal.errors import DataError
 
@@ -36,3 +36,26 @@ def test_kernels_never_read_beyond_the_shorter_of_two_arrays(dd_arm):
     assert [rows.shape for rows in motion_rows(dd_arm, q=np.zeros((3, 2)), dq=np.zeros((3, 2)))] == [(3, 2)] * 2
     with pytest.raises(DataError, match="dq has 2 samples and q has 3; expected as many"):
         motion_rows(dd_arm, q=np.zeros((3, 2)), dq=np.zeros((2, 2)))
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_poses_are_those_of_eq_1(random_arm, seed):
+    """Along a motion, too, of whose poses only what changes is filled in."""
+    rng = np.random.default_rng(seed)
+    chain = chain_of(random_arm(rng, branching=True))
+    n = len(chain.revolute)
+    expected, whole, kept = (
+        [np.empty((n, 3, 3)), np.empty((n, 3))],
+        [np.empty((n, 3, 3)), np.empty((n, 3))],
+        [chain.zero_R.copy(), chain.zero_p.copy()],
+    )
+    for q in rng.normal(size=(3, n)):
+        for i in range(n):
+            alpha, _, d, beta, offset = chain.geometry[i]
+            link_step(chain.revolute[i], alpha, d, beta, offset, q[i], expected[0][i], expected[1][i])
+            hang_on(chain.geometry, chain.parent, chain.hang, i, expected[1][i])
+        poses(chain, q, *whole)
+        move(chain, q, np.cos(q), np.sin(q), *kept)
+        for found in (whole, kept):
+            for one, other in zip(found, expected, strict=True):
+                np.testing.assert_allclose(one, other, rtol=0, atol=1e-14)

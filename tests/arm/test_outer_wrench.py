@@ -6,9 +6,9 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain import chain_of
+from arm.chain import chain_of, poses
 from arm.kinematics import axis_frames
-from arm.newton_euler import inverse_dynamics, poses
+from arm.newton_euler import inverse_dynamics
 from arm.outer_wrench import outer_joint_torque, point_motion, touched_forward_dynamics, touched_inverse_dynamics
 from limbcal.errors import DataError
 

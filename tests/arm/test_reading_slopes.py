@@ -1,17 +1,19 @@
 """Slopes of a link's motion against central differences of the recursion itself."""
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from arm.chain import chain_of
-from arm.newton_euler import poses, rigid_motion
+from arm.chain import chain_of, poses
+from arm.newton_euler import rigid_motion
 from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes
 
 FEW = settings(max_examples=40, deadline=None)
 STEP = 1e-5
-#: Where the lengths a and d stand in `Chain.geometry`.
-LENGTHS = {3: 1, 4: 2}
+#: The lengths of a joint, by the place of their slope.
+LENGTHS = {3: "a_m", 4: "d_m"}
 
 
 def rigid(chain, q, dq, ddq):
@@ -29,7 +31,12 @@ def slopes_of(chain, q, dq, ddq):
     return slopes
 
 
-def by_differences(chain, q, dq, ddq):
+def longer(arm, j, name, step):
+    one = replace(arm.joints[j], **{name: getattr(arm.joints[j], name) + step})
+    return replace(arm, joints=(*arm.joints[:j], one, *arm.joints[j + 1 :]))
+
+
+def by_differences(arm, q, dq, ddq):
     """Return the same slopes, each by moving what it is taken by to either side."""
     n = q.size
     slopes = np.empty((n, SEEDS * n, 3, 3))
@@ -37,12 +44,12 @@ def by_differences(chain, q, dq, ddq):
         for k in range(SEEDS):
             sides = []
             for step in (STEP, -STEP):
-                moved, geometry = np.stack([q, dq, ddq]), chain.geometry.copy()
+                moved, other = np.stack([q, dq, ddq]), arm
                 if k in LENGTHS:
-                    geometry[j, LENGTHS[k]] += step
+                    other = longer(arm, j, LENGTHS[k], step)
                 else:
                     moved[k, j] += step
-                sides.append(rigid(chain._replace(geometry=geometry), *moved)[2])
+                sides.append(rigid(chain_of(other), *moved)[2])
             slopes[:, SEEDS * j + k] = (sides[0] - sides[1]) / (2.0 * STEP)
     return slopes
 
@@ -55,7 +62,7 @@ def test_slopes_are_those_of_central_differences(random_arm, random_motion, seed
     arm = random_arm(rng, branching=branching)
     q, dq, ddq = (rows[0] for rows in random_motion(arm, rng, 1))
     chain = chain_of(arm)
-    expected = by_differences(chain, q, dq, ddq)
+    expected = by_differences(arm, q, dq, ddq)
     largest = max(1.0, np.abs(rigid(chain, q, dq, ddq)[2]).max())
     np.testing.assert_allclose(slopes_of(chain, q, dq, ddq), expected, rtol=1e-6, atol=1e-7 * largest)
 

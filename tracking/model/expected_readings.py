@@ -4,9 +4,9 @@ from typing import NamedTuple
 
 import numpy as np
 
-from arm.chain import Chain
+from arm.chain import Chain, poses
 from arm.model import Floats
-from arm.newton_euler import base_axes, poses, rigid_motion
+from arm.newton_euler import base_axes, rigid_motion
 from arm.reading_slopes import SEEDS, at_lever, lever_slope, motion_slopes, row, total
 from arm.triple import cross, turned_back
 from limbcal.compiled import compiled
@@ -19,7 +19,7 @@ AXES = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0))
 class Room(NamedTuple):
     """What `observe` works in, so that it need not ask for memory at every instant."""
 
-    geometry: Floats
+    zero_p: Floats
     q: Floats
     dq: Floats
     ddq: Floats
@@ -35,7 +35,7 @@ class Room(NamedTuple):
 def room_of(n: int) -> Room:
     """Return room for an arm of n joints."""
     return Room(
-        np.empty((n, 5)),
+        np.empty((n, 3)),
         np.empty(n),
         np.empty(n),
         np.empty(n),
@@ -52,23 +52,27 @@ def room_of(n: int) -> Room:
 def move_arm(of: Observation, room: Room, x: Floats) -> None:
     """Fill in the poses, the motion of all links and its slopes in state x."""
     n = room.q.size
-    room.geometry[:] = of.chain.geometry
+    plain = of.chain
+    room.zero_p[:] = plain.zero_p
     for j in range(n):
         room.q[j], room.dq[j], room.ddq[j] = x[3 * j], x[3 * j + 1], x[3 * j + 2]
-        if of.length_column[j, 0] >= 0:
-            room.geometry[j, 1] += x[of.length_column[j, 0]]
-        if of.length_column[j, 1] >= 0:
-            room.geometry[j, 2] += x[of.length_column[j, 1]]
-    plain = of.chain
+        before, d = plain.parent[j], of.length_column[j, 1]
+        if before >= 0 and of.length_column[before, 0] >= 0:  # eq. (1): a of the link that it hangs on
+            room.zero_p[j, 0] += plain.hang[j, 0] * x[of.length_column[before, 0]]
+        if d >= 0:
+            for i in range(3):
+                room.zero_p[j, i] += x[d] * plain.zero_R[j, i, 2]
     chain = Chain(
         plain.revolute,
-        room.geometry,
+        plain.geometry,
         plain.inertial,
         plain.friction,
         plain.gravity,
         plain.drag,
         plain.parent,
         plain.hang,
+        plain.zero_R,
+        room.zero_p,
     )  # fmt: skip
     poses(chain, room.q, room.R, room.p)
     room.gravity[:] = chain.gravity
