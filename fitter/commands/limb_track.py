@@ -54,7 +54,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
     marked = marked_arm(arm)
     make_room(arguments.out, MOTION_SUFFIXES, arguments.raw)
     check_export(arguments.export, motions=True)
-    recordings, notes = recordings_of(arguments.raw, "all")
+    recordings, notes = recordings_of(arguments.raw)
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("tracking", total=len(recordings))
