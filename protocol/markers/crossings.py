@@ -56,8 +56,8 @@ def uncrossed(
         for first, last in runs(mask):
             begin, end = first / recording.rate_hz, last / recording.rate_hz
             text = (
-                f"{one} and {other} have each other's labels for {end - begin:.2f} s, at an end of which they leap "
-                "onto each other's places: exchanged again"
+                f"{one} and {other} have each other's labels for {end - begin:.2f} s, at an end of which they "
+                "leap onto each other's places: exchanged again"
             )
             text += (
                 "" if is_told else "; which part is right no other recording tells, the longer one is taken for it"
@@ -135,7 +135,7 @@ def _like(other: MarkerRecording, recording: MarkerRecording, pair: tuple[int, i
 
 
 def _crossed(reference: Pair, pair: Pair) -> float:
-    """Return by how much two markers' distances are like each other's in a reference rather than like their own [m].
+    """Return by how much two markers' distances are like each other's in a reference rather than their own [m].
 
     The median over the markers that tell the two apart; zero where they are too few or both ways are wrong.
     """
