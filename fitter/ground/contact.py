@@ -56,7 +56,7 @@ def closure(
     vertical = share @ up
     level = float(np.median(vertical))
     if abs(level) > _WEIGHT:
-        return [_carried(_means(measured, n) @ up / weight_N, vertical, weight_N, middle, 0.5 * n * dt_s)]
+        return [_carried(_means(measured, n) @ up / weight_N, vertical, weight_N, middle, 0.5 * (n - 1) * dt_s)]
     sideways = np.linalg.norm(share - vertical[:, None] * up, axis=1)
     notes = []
     whole = np.mean(measured - predicted, axis=0) / weight_N
@@ -96,7 +96,7 @@ def _carried(carried: Floats, vertical: Floats, weight_N: float, middle: Floats,
         shares of the weight.
     weight_N : float
     middle : (n_window,) [s]
-        Of those seconds, half of which is ``half_s``.
+        Of those seconds, which begin and end ``half_s`` from there.
     """
     kg = weight_N / 9.80665
     if np.ptp(vertical) <= 2.0 * _VARIES:
@@ -108,7 +108,7 @@ def _carried(carried: Floats, vertical: Floats, weight_N: float, middle: Floats,
     first, last = max(runs(np.abs(vertical) > _WEIGHT), key=lambda run: run[1] - run[0])
     text = (
         f"over a second the plates carry between {carried.min():.2f} and {carried.max():.2f} of the weight of "
-        f"{kg:.1f} kg: something else carries the person for a time, such as a chair or the floor beside the plates"
+        f"{kg:.1f} kg: something else carries the person for a time, such as a chair or the floor beside a plate"
     )
     begin, end = float(middle[first]) - half_s, float(middle[last - 1]) + half_s
     return Note("unmeasured_contact", text, from_s=begin, to_s=end)
