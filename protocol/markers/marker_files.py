@@ -13,7 +13,7 @@ from protocol.markers.clock import timed
 from protocol.markers.crossings import uncrossed
 from protocol.markers.force_notes import nan_forces
 from protocol.markers.frame import stands_along, unit_of, up_of
-from protocol.markers.labels import computed, doubled, names_of, prefixes
+from protocol.markers.labels import computed, doubled, names_of, prefixes, unnamed
 from protocol.markers.marker_jumps import jumps
 from protocol.markers.missing import ended, gaps, zeros
 from protocol.markers.recording import MarkerRecording, RawRecording
@@ -85,7 +85,7 @@ def read_raw(path: Path) -> RawRecording:
 
 def _in_metres(raw: RawRecording) -> Looked:
     """Return a recording in metres with the names of its markers."""
-    notes = [*prefixes(raw), *ended(raw)]
+    notes = [*prefixes(raw), *unnamed(raw), *ended(raw)]
     said, raw = timed(raw)
     notes += said
     said, is_computed = computed(raw)
