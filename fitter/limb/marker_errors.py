@@ -104,8 +104,8 @@ def beyond_skin(names: Sequence[str], distance_m: Floats) -> list[Note]:
     seen = np.isfinite(distance_m)
     mean = np.sum(np.where(seen, distance_m, 0.0) ** 2, axis=0) / np.maximum(seen.sum(axis=0), 1)
     rms = np.sqrt(mean)
-    off = np.flatnonzero(rms > SKIN_M)
-    if not len(off):
+    off = np.flatnonzero(rms > SKIN_M).tolist()
+    if not off:
         return []
     far = tuple(names[m] for m in off)
     size = f"{1e3 * rms[off].min():.0f}" + (f" to {1e3 * rms[off].max():.0f}" if len(off) > 1 else "")

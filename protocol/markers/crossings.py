@@ -50,8 +50,9 @@ def uncrossed(
         mask, is_told = _exchanged(recording, others, (i, j), frames)
         for first, last in runs(mask):
             mask[first:last] &= last - first >= SHORTEST_S * recording.rate_hz  # a glimpse is not enough
-        positions[np.ix_(mask, [i, j])] = positions[np.ix_(mask, [j, i])]
-        exchanged[np.ix_(mask, [i, j])] = True
+        frame = np.flatnonzero(mask)[:, None]
+        positions[frame, [i, j]] = positions[frame, [j, i]]
+        exchanged[frame, [i, j]] = True
         one, other = recording.names[i], recording.names[j]
         for first, last in runs(mask):
             begin, end = first / recording.rate_hz, last / recording.rate_hz
@@ -86,7 +87,7 @@ def _exchanged(
     recording: MarkerRecording, others: Sequence[MarkerRecording], pair: tuple[int, int], frames: list[int]
 ) -> tuple[np.ndarray, bool]:
     """Return in which frames two markers have each other's labels, and whether other recordings tell."""
-    seen = ~recording.missing[:, list(pair)].any(axis=1)
+    seen: np.ndarray = ~np.any(recording.missing[:, list(pair)], axis=1)
     starts = np.zeros(len(seen), dtype=np.bool_)
     starts[frames] = True
     parts = [part for run in runs(seen) for part in _cut(run, starts)]
