@@ -90,8 +90,8 @@ def built_in_advice(markers: Sequence[str]) -> str:
     if share >= _WRONG_SET:
         return f"{name} is the built-in set that fits best, of which {100.0 * share:.0f} % are there"
     return (
-        f"no built-in set fits: of {name}, the nearest, {100.0 * share:.0f} % are there; `fitter marker-set` drafts "
-        "one from a recording in which every joint moves"
+        f"no built-in set fits: of {name}, the nearest, {100.0 * share:.0f} % are there; `fitter marker-set` "
+        "drafts one from a recording in which every joint moves"
     )
 
 
