@@ -138,7 +138,8 @@ def _like(other: MarkerRecording, recording: MarkerRecording, pair: tuple[int, i
 def _crossed(reference: Pair, pair: Pair) -> float:
     """Return by how much two markers' distances are like each other's in a reference rather than their own [m].
 
-    The median over the markers that tell the two apart; zero where they are too few or both ways are wrong.
+    The median over the markers that tell the two apart and fit one way or the other, as those of other segments do
+    not after another motion; zero where they are too few.
     """
     (middle, change), (here, change_here) = reference, pair
     apart = np.abs(middle[0] - middle[1])
@@ -147,6 +148,7 @@ def _crossed(reference: Pair, pair: Pair) -> float:
     if tells.sum() < _ENOUGH:
         return 0.0
     straight, across = (np.abs(here - one)[:, tells].sum(axis=0) for one in (middle, middle[::-1]))
-    if min(np.median(straight), np.median(across)) > 2.0 * _TELLS_M:
+    fit = np.minimum(straight, across) < 2.0 * _TELLS_M
+    if fit.sum() < _ENOUGH:
         return 0.0
-    return float(np.median(straight - across))
+    return float(np.median((straight - across)[fit]))

@@ -45,6 +45,22 @@ def test_an_exchange_of_half_a_recording_is_put_right():
     assert not [one for one in looked.notes if one.kind == "jump"]
 
 
+def test_segments_that_stand_elsewhere_in_another_recording_have_no_say():
+    sound, other = a_thigh_and_shank(), a_thigh_and_shank(1)
+    far = np.linspace(0.3, 0.9, 12)[:, None] * [1.0, 0.4, 0.2]  # of a trunk that leans another way there
+
+    def with_trunk(raw, turn):
+        trunk = np.broadcast_to(1.0 + far * turn, (len(raw.points), 12, 3))
+        labels = (*raw.labels, *(f"B{k}" for k in range(12)))
+        return replace(raw, labels=labels, points=np.concatenate([raw.points, trunk], axis=1))
+
+    looked = look_at(
+        [with_each_others_labels(with_trunk(sound, 1.0), 260, 600), with_trunk(other, [-1.0, 1.0, 2.0])]
+    )
+    (note,) = [one for one in looked[0].notes if one.kind == "swapped"]
+    assert (note.from_s, note.to_s) == pytest.approx((2.6, 6.0))
+
+
 def test_alone_the_longer_part_is_taken_for_right():
     sound = a_thigh_and_shank()
     looked = look_at([with_each_others_labels(sound, 0, 260)])[0]
