@@ -21,6 +21,7 @@ from fitter.functional.marker_set import MarkerSet, load_marker_set
 from fitter.functional.rigid_fit import fit_poses
 from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
+from fitter.limb.marker_errors import scores_of
 from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
 
@@ -75,7 +76,7 @@ def estimated(
 ) -> dict[str, dict[str, dict[str, object]]]:
     """Return lengths and centres as the command's JSON has them."""
     fit = calibrate([recording], marker_set, preset)
-    return document(fit, [recording], [], 0)  # type: ignore[return-value]
+    return document(fit, scores_of(fit, [recording], [], 0))  # type: ignore[return-value]
 
 
 def halves(recording: MarkerRecording) -> tuple[MarkerRecording, MarkerRecording]:

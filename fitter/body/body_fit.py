@@ -49,6 +49,11 @@ class BodyFit:
     errors: Errors
     notes: tuple[Note, ...]
 
+    @property
+    def marker_names(self) -> tuple[str, ...]:
+        """All markers, in the order of their errors."""
+        return tuple(self.bundle.markers.names)
+
     def marker_errors(self, recordings: Sequence[MarkerRecording], seed: int) -> MarkerErrors:
         """Return how far every marker is from where the tree has it."""
         markers, geometry, prior = self.bundle.markers, self.bundle.geometry, self.task.angles

@@ -1,22 +1,24 @@
 """The JSON document of `fitter kinematics` for a whole person."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 
 from arm.marker_kinematics import HANG_X
 from fitter.body.body_fit import BodyFit
 from fitter.body.derived_body import derived_body, markers_on
 from fitter.limb.json_document import derived_document, length_label, of_bundle, of_roles, parameters
-from protocol.markers.recording import MarkerRecording
+from fitter.limb.marker_errors import MarkerErrors
 
 
-def body_document(
-    fit: BodyFit, learn: Sequence[MarkerRecording], evaluate: Sequence[MarkerRecording], seed: int
-) -> dict[str, object]:
-    """Return the JSON document of a fit, without its notes and what it took."""
-    bundle, where = fit.bundle, fit.where
-    names = bundle.markers.names
-    scores = {"learn": fit.marker_errors(learn, seed)}
-    scores |= {"evaluate": fit.marker_errors(evaluate, seed)} if evaluate else {}
+def body_document(fit: BodyFit, scores: Mapping[str, MarkerErrors]) -> dict[str, object]:
+    """Return the JSON document of a fit, without its notes and what it took.
+
+    Parameters
+    ----------
+    fit : BodyFit
+    scores : mapping of str to MarkerErrors
+        Of ``learn`` and, where there are such trials, ``evaluate``.
+    """
+    bundle, where, names = fit.bundle, fit.where, fit.marker_names
     free, balls = fit.task.free, {limb.name: limb.first + limb.where.balls[0] for limb in where.limbs}
     hung = [
         (name, float(bundle.geometry.hang[i, 1 + kind - HANG_X]), "m")

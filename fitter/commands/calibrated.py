@@ -1,6 +1,6 @@
 """What a calibration from markers ends with, of one limb or of a whole person."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -13,9 +13,10 @@ from fitter.functional.marker_set import MarkerSet
 from fitter.limb.json_document import document
 from fitter.limb.limb_calibration import calibrate
 from fitter.limb.limb_search import Search
+from fitter.limb.marker_errors import MarkerErrors, beyond_skin, scores_of
 from fitter.limb.written_arm import calibrated_arm
 from limbcal.command import Document
-from limbcal.note import Note
+from limbcal.note import Note, of_source
 from protocol.markers.recording import MarkerRecording
 
 Recordings = Sequence[MarkerRecording]
@@ -61,12 +62,9 @@ def calibrated_limb(
 
     preset, girdle = limb
     fit = calibrate(learn, marker_set, preset, girdle, body, seed, progress=progress, search=search)
-    return Calibrated(
-        calibrated_arm(fit, body),
-        document(fit, learn, evaluate, seed),
-        fit.notes,
-        write_page,
-    )
+    scores = scores_of(fit, learn, evaluate, seed)
+    notes = [*fit.notes, *_contradicting(fit.marker_names, scores, learn, evaluate)]
+    return Calibrated(calibrated_arm(fit, body), document(fit, scores), notes, write_page)
 
 
 def calibrated_person(
@@ -85,9 +83,20 @@ def calibrated_person(
         write_body_page(path, fit, answer, [*learn, *evaluate], notes)
 
     fit = calibrate_body(learn, marker_set, body, seed, progress=progress)
-    return Calibrated(
-        calibrated_body(fit, body),
-        body_document(fit, learn, evaluate, seed),
-        fit.notes,
-        write_page,
-    )
+    scores = scores_of(fit, learn, evaluate, seed)
+    notes = [*fit.notes, *_contradicting(fit.marker_names, scores, learn, evaluate)]
+    return Calibrated(calibrated_body(fit, body), body_document(fit, scores), notes, write_page)
+
+
+def _contradicting(
+    names: Sequence[str], scores: Mapping[str, MarkerErrors], learn: Recordings, evaluate: Recordings
+) -> list[Note]:
+    """Return which markers no calibrated person follows, recording by recording."""
+    return [
+        note
+        for role, recordings in (("learn", learn), ("evaluate", evaluate))
+        for k, recording in enumerate(recordings)
+        for note in of_source(
+            beyond_skin(names, scores[role].distance_m[scores[role].trial == k]), Path(recording.path).name
+        )
+    ]

@@ -59,7 +59,7 @@ def diagnose_marker_files(arm: Arm, arguments: argparse.Namespace) -> Document:
     if mistakes:
         raise ConfigError(mistakes)
     learn, evaluate, out = arguments.learn, arguments.evaluate, arguments.out
-    recordings, notes = recordings_of([*learn, *evaluate], "all")
+    recordings, notes = recordings_of([*learn, *evaluate])
     labels = [Path(recording.path).stem for recording in recordings]
     columns = (SpinnerColumn(), TextColumn("{task.description}"), TimeElapsedColumn())
     with Progress(*columns, console=console, transient=True) as bar:

@@ -142,4 +142,9 @@ def _refuse_unmeasured(trials: Sequence[GroundTrial], notes: Sequence[Note]) -> 
     """Refuse contact that no plate measures: it would be learnt as mass."""
     found = [(trial.name, note) for trial in trials for note in trial.unmeasured]
     if found:
-        raise Unusable([f"unmeasured_contact: {name}: {note.text}" for name, note in found], with_notes({}, notes))
+        sentences = [f"unmeasured_contact: {name}: {note.text}{_when(note)}" for name, note in found]
+        raise Unusable(sentences, with_notes({}, notes))
+
+
+def _when(note: Note) -> str:
+    return "" if note.from_s is None or note.to_s is None else f" (from {note.from_s:.2f} to {note.to_s:.2f} s)"

@@ -85,12 +85,12 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     check_export(arguments.export, motions=False)
     if arguments.report is not None:
         make_room(arguments.report, (".html",))
-    learn, notes = recordings_of(arguments.data, "learning")
-    evaluate, more = recordings_of(arguments.evaluate, "evaluating") if arguments.evaluate else ([], [])
+    # Together, for one person's recordings tell of each other which labels are right.
+    recordings, notes = recordings_of([*arguments.data, *arguments.evaluate])
     if arguments.probe:
-        probed = with_probed([*learn, *evaluate], _probings(arguments.probe), marker_set)
-        learn, evaluate = list(probed.recordings[: len(learn)]), list(probed.recordings[len(learn) :])
-        marker_set, more = probed.marker_set, [*more, *probed.notes]
+        probed = with_probed(recordings, _probings(arguments.probe), marker_set)
+        recordings, marker_set, notes = list(probed.recordings), probed.marker_set, [*notes, *probed.notes]
+    learn, evaluate = recordings[: len(arguments.data)], recordings[len(arguments.data) :]
     if arguments.up is not None:
         learn, evaluate = ([replace(one, up=arguments.up) for one in some] for some in (learn, evaluate))
     began = time.perf_counter()
@@ -108,7 +108,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
             search = Search(arguments.population, arguments.generations) if arguments.method == "ga" else None
             found = calibrated_limb(learn, evaluate, marker_set, limb, body, arguments.seed, report, search)
     answer: dict[str, object] = {**found.document, "seconds": time.perf_counter() - began}
-    notes = [*notes, *more, *found.notes, *_no_masses(body)]
+    notes = [*notes, *found.notes, *_no_masses(body)]
     save_arm(found.arm, arguments.out)
     say_notes(notes)
     _show(found.arm.name, answer)
@@ -191,10 +191,10 @@ def _probings(texts: Sequence[str]) -> dict[str, MarkerRecording]:
     return {landmark: one.recording for (landmark, _, _), one in zip(pairs, looked, strict=True)}
 
 
-def recordings_of(paths: Sequence[Path], what: str) -> tuple[list[MarkerRecording], list[Note]]:
+def recordings_of(paths: Sequence[Path]) -> tuple[list[MarkerRecording], list[Note]]:
     """Read recordings of markers with a bar, and return what is to be said of each."""
     with Progress(console=console, transient=True) as bar:
-        task = bar.add_task(f"reading {what} trials", total=len(paths))
+        task = bar.add_task("reading trials", total=len(paths))
         looked = read_markers(list(paths), lambda done: bar.update(task, completed=done))
     notes = [
         note

@@ -15,6 +15,7 @@ from fitter.commands.options import MOTION_SUFFIXES, make_room
 from fitter.data.motion_file import write_motion
 from fitter.limb.json_document import of_markers, rms_mm
 from fitter.limb.marked_arm import marked_arm
+from fitter.limb.marker_errors import beyond_skin
 from fitter.limb.tracking import track_limb
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError
@@ -54,7 +55,7 @@ def limb_track(arguments: argparse.Namespace) -> Document:
     marked = marked_arm(arm)
     make_room(arguments.out, MOTION_SUFFIXES, arguments.raw)
     check_export(arguments.export, motions=True)
-    recordings, notes = recordings_of(arguments.raw, "all")
+    recordings, notes = recordings_of(arguments.raw)
     began = time.perf_counter()
     with Progress(console=console, transient=True) as bar:
         task = bar.add_task("tracking", total=len(recordings))
@@ -78,7 +79,8 @@ def limb_track(arguments: argparse.Namespace) -> Document:
         columns["trial"] = np.concatenate(rows)
     write_motion(arguments.out, columns)
     for one, recording in zip(tracked, recordings, strict=True):
-        notes += of_source(one.notes, Path(recording.path).name)
+        far = beyond_skin(marked.names, one.distance_m)
+        notes += of_source([*one.notes, *far], Path(recording.path).name)
     say_notes(notes)
     distances = np.concatenate([one.distance_m for one in tracked])
     rms: dict[str, object] = dict(of_markers(distances, len(marked.markers.names)))

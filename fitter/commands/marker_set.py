@@ -26,7 +26,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
 def draft(arguments: argparse.Namespace) -> Document:
     """Write clusters of markers that keep their distances."""
     make_room(arguments.out, (".toml",), arguments.files)
-    recordings, notes = recordings_of(arguments.files, "all")
+    recordings, notes = recordings_of(arguments.files)
     names = tuple(dict.fromkeys(name for recording in recordings for name in recording.names))
     seen = [n for n in names if any((~r.missing[:, r.names.index(n)]).any() for r in recordings if n in r.names)]
     found = draft_marker_set(seen, [recording.of(seen) for recording in recordings])

@@ -22,7 +22,8 @@ from fitter.data.motions import TIP, Measured, read_motions, trial_column
 from fitter.data.plausibility.questions import questioned
 from fitter.data.resample import split_at_holes
 from fitter.ground.force_plausibility import far, light, pulling, unknown
-from fitter.ground.link_names import link_named, segments
+from fitter.ground.link_names import link_named, link_names, segments
+from fitter.ground.placed_plates import ends, placed
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, DataError
 from limbcal.note import Note, documents, of_source
@@ -59,7 +60,7 @@ def add_arguments(parser: argparse.ArgumentParser) -> None:
         default=[],
         metavar="PLATE=LINK",
         help="on which link a plate's force acts: its name or number, and the joint's number or the person's "
-        "segment, such as foot_right (the only loaded plate: on the last link)",
+        "segment, such as foot_right (by its place; on a chain the only loaded plate is on the last link)",
     )
     add_columns(parser)
     add_out(parser, "the motion with tau1…: .csv, .parquet or .npz")
@@ -89,9 +90,13 @@ def torque(arguments: argparse.Namespace) -> Document:
     trials = questioned(map(_kinematic, trials), arm)
     for number, trial in enumerate(progress(trials, "torques", console=console, transient=True), 1):
         plates = read_wrenches(arguments.ground[number - 1]) if arguments.ground else []
-        contacts = contacts_of(arguments.contact, plates, arm)
-        notes += of_source(light(arm, plates), trial.name)
         pieces = split_at_holes(trial)
+        if len(ends(arm)) > 1 and not arguments.contact:
+            base = base_state(arm, trial.t, trial.columns.get("base"), trial.where)
+            contacts = placed(arm, trial.t, trial.columns["q"], base, plates)
+        else:
+            contacts = contacts_of(arguments.contact, plates, arm)
+        notes += of_source(light(arm, plates), trial.name)
         of_pieces = [_torques(arm, piece, contacts, trial.identity(number)) for piece in pieces]
         parts.append({name: np.concatenate([part[name] for part, _ in of_pieces]) for name in of_pieces[0][0]})
         for piece, (_, said) in zip(pieces, of_pieces, strict=True):
@@ -107,6 +112,10 @@ def torque(arguments: argparse.Namespace) -> Document:
     rms = np.sqrt(np.nanmean(columns["tau"] ** 2, axis=0))
     show(f"{len(parts)} trial(s), {len(columns['t'])} samples -> {arguments.out}")
     units = ["N m" if joint.type == "revolute" else "N" for joint in arm.joints]
+    names = link_names(arm)
+    places = dict.fromkeys(f"{one['plate']} acts on {names[int(str(one['joint'])) - 1]}" for one in acting)
+    if places:
+        show(", ".join(places))
     each = zip(rms, units, strict=True)
     show("rms of what drives each joint: " + ", ".join(f"{value:.3g} {unit}" for value, unit in each))
     return {
@@ -138,7 +147,7 @@ def contacts_of(texts: Sequence[str], plates: Sequence[PlateWrench], arm: Arm) -
             last = next(reversed(segments(arm)), str(arm.n_joint))
             raise ConfigError(
                 f"plates {names} are loaded, expected --contact PLATE=LINK for those on this limb, such as "
-                f"--contact {loaded[0].name!r}={last}"
+                f"--contact {loaded[0].name}={last}"
             )
         return [(plate, arm.n_joint) for plate in loaded]
     found = []

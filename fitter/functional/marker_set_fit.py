@@ -84,6 +84,17 @@ def best_built_in(markers: Sequence[str]) -> tuple[str, float]:
     return name, share
 
 
+def built_in_advice(markers: Sequence[str]) -> str:
+    """Return which built-in set to take for a recording's markers, or that none of them is meant for it."""
+    name, share = best_built_in(markers)
+    if share >= _WRONG_SET:
+        return f"{name} is the built-in set that fits best, of which {100.0 * share:.0f} % are there"
+    return (
+        f"no built-in set fits: of {name}, the nearest, {100.0 * share:.0f} % are there; `fitter marker-set` "
+        "drafts one from a recording in which every joint moves"
+    )
+
+
 def _wrong_set(marker_set: MarkerSet, missing: Sequence[str], markers: Sequence[str]) -> list[Note]:
     listed = marker_set.markers
     found = len(listed) - len(missing)

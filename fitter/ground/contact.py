@@ -56,12 +56,7 @@ def closure(
     vertical = share @ up
     level = float(np.median(vertical))
     if abs(level) > _WEIGHT:
-        carried = float(np.mean(measured @ up)) / weight_N
-        text = (
-            f"the plates carry {carried:.2f} of the weight of {weight_N / 9.80665:.1f} kg throughout: something "
-            f"else carries the person, such as a plate that is not in the file, or the mass is another's"
-        )
-        return [Note("unmeasured_contact", text)]
+        return [_carried(_means(measured, n) @ up / weight_N, vertical, weight_N, middle, 0.5 * (n - 1) * dt_s)]
     sideways = np.linalg.norm(share - vertical[:, None] * up, axis=1)
     notes = []
     whole = np.mean(measured - predicted, axis=0) / weight_N
@@ -89,6 +84,34 @@ def closure(
             Note("unmeasured_contact", text, from_s=max(ends[0], float(t[0])), to_s=min(ends[1], float(t[-1])))
         )
     return notes
+
+
+def _carried(carried: Floats, vertical: Floats, weight_N: float, middle: Floats, half_s: float) -> Note:
+    """Return that the plates carry another weight: throughout, or between when and when.
+
+    Parameters
+    ----------
+    carried, vertical : (n_window,)
+        What they carry over a second, and by how much that is not what the person weighs and accelerates, as
+        shares of the weight.
+    weight_N : float
+    middle : (n_window,) [s]
+        Of those seconds, which begin and end ``half_s`` from there.
+    """
+    kg = weight_N / 9.80665
+    if np.ptp(vertical) <= 2.0 * _VARIES:
+        text = (
+            f"the plates carry {float(np.mean(carried)):.2f} of the weight of {kg:.1f} kg throughout: something "
+            "else carries the person, such as a plate that is not in the file, or the mass is another's"
+        )
+        return Note("unmeasured_contact", text)
+    first, last = max(runs(np.abs(vertical) > _WEIGHT), key=lambda run: run[1] - run[0])
+    text = (
+        f"over a second the plates carry between {carried.min():.2f} and {carried.max():.2f} of the weight of "
+        f"{kg:.1f} kg: something else carries the person for a time, such as a chair or the floor beside a plate"
+    )
+    begin, end = float(middle[first]) - half_s, float(middle[last - 1]) + half_s
+    return Note("unmeasured_contact", text, from_s=begin, to_s=end)
 
 
 def held(

@@ -13,18 +13,19 @@ from fitter.limb.limb_fit import LimbFit
 from fitter.limb.marker_errors import MarkerErrors
 from fitter.limb.uncertainty import Derived, Errors, derived
 from limbcal.command import Document
-from protocol.markers.recording import MarkerRecording
 
 _COLUMNS = (("alpha", "rad", 0), ("a", "m", 1), ("d", "m", 2), ("beta", "rad", 3), ("theta_offset", "rad", 4))
 
 
-def document(
-    fit: LimbFit, learn: Sequence[MarkerRecording], evaluate: Sequence[MarkerRecording], seed: int
-) -> dict[str, object]:
-    """Return the JSON document of a fit, without its notes and what it took."""
-    names = (*fit.bundle.markers.names, *fit.base.markers)
-    scores = {"learn": fit.marker_errors(learn, seed)}
-    scores |= {"evaluate": fit.marker_errors(evaluate, seed)} if evaluate else {}
+def document(fit: LimbFit, scores: Mapping[str, MarkerErrors]) -> dict[str, object]:
+    """Return the JSON document of a fit, without its notes and what it took.
+
+    Parameters
+    ----------
+    fit : LimbFit
+    scores : mapping of str to MarkerErrors
+        Of ``learn`` and, where there are such trials, ``evaluate``.
+    """
     base = [(f"base_{axis}", float(x), "m") for axis, x in zip("xyz", fit.bundle.geometry.base_p, strict=True)]
     own = derived(fit.where, fit.bundle.geometry, fit.bundle.markers.link, *[fit.bundle.markers.place] * 2)
     found = derived_document(own, fit.errors, lambda name: _length_std(fit, name), lambda s: _markers_of(fit, s))
@@ -35,7 +36,7 @@ def document(
         "parameters": parameters(fit.bundle.geometry, fit.free, fit.errors, base),
         **of_bundle(fit.bundle, len(fit.task.frames.t)),
         **_of_search(fit),
-        **of_roles(scores, names, len(fit.bundle.markers.names), fit.arm.n_joint),
+        **of_roles(scores, fit.marker_names, len(fit.bundle.markers.names), fit.arm.n_joint),
         **found,
     }
 

@@ -84,6 +84,11 @@ class LimbFit:
         R, p = poses_of(self.base.points_m, carried)
         return usable_frames(y, R, p, recordings)
 
+    @property
+    def marker_names(self) -> tuple[str, ...]:
+        """Markers of the links, then those of the base."""
+        return (*self.bundle.markers.names, *self.base.markers)
+
     def marker_errors(self, recordings: Sequence[MarkerRecording], seed: int) -> MarkerErrors:
         """Return how far every marker is from where the chain has it.
 

@@ -10,7 +10,7 @@ from arm.model import Floats
 from fitter.functional.anatomy import LANDMARKS
 from fitter.functional.draft_marker_set import distance_scatter
 from fitter.functional.marker_set import MarkerSet
-from fitter.functional.marker_set_fit import best_built_in, fit_marker_set
+from fitter.functional.marker_set_fit import built_in_advice, fit_marker_set
 from fitter.functional.segment_motion import SegmentMotion, segment_motion
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -130,7 +130,7 @@ def sorted_trials(
             raise DataError(
                 f"marker set {own.name}: no marker of {segment} is in the recordings, expected some: "
                 f"{', '.join(own.segments.get(segment, ())) or 'the set names none'}; "
-                f"{best_built_in(seen)[0]} is the built-in set that fits best"
+                f"{built_in_advice(seen)}"
             )
     others = [m for landmark, m in fit.landmarks.items() if keeps(landmark)]
     names = tuple(dict.fromkeys([*(m for on_it in segments.values() for m in on_it), *others]))

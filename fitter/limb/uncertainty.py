@@ -192,14 +192,26 @@ def errors_of(
     posterior = np.linalg.inv(bundle.S.sum(axis=0) + np.diag(information))
     formal = np.sqrt(np.diag(posterior)[:n_free])
     spread = np.sqrt(np.diag(jackknife(lambda use: step(use)[:n_free], n_part)))
+    apart = tuple(derive(half.geometry, half.markers.place) for half in halves)
+    by_parts = _larger(jackknife(derived_of, n_part), _carried(derived_at, posterior))
     # what the motion leaves open stays at the prior whichever part is left out: its error is the posterior's
     return Errors(
         np.fmax(spread, formal),
         formal < LEARNT * task.free.std,
-        _larger(jackknife(derived_of, n_part), _carried(derived_at, posterior)),
-        tuple(derive(half.geometry, half.markers.place) for half in halves),
+        _larger(by_parts, _of_mean(apart)) if len(apart) > 1 else by_parts,
+        apart,
         n_part,
     )
+
+
+def _of_mean(apart: Sequence[Derived]) -> Floats:
+    """Return the covariance of the mean of disjoint fits, from how they scatter.
+
+    One Gauss-Newton step has the slopes of the answer of all parts: where one trial says another thing than the
+    rest, it goes less far than a fit of that trial does.
+    """
+    vectors = np.array([one.vector() for one in apart])
+    return np.diag(np.var(vectors, axis=0, ddof=1) / len(vectors))
 
 
 def _carried(derived_at: Callable[[Floats], Floats], covariance: Floats) -> Floats:
@@ -210,7 +222,7 @@ def _carried(derived_at: Callable[[Floats], Floats], covariance: Floats) -> Floa
 
 
 def _larger(parts: Floats, formal: Floats) -> Floats:
-    """Return the covariance by parts left out, with no less variance than the posterior has.
+    """Return the covariance by parts left out, with no less variance than another way of finding it has.
 
     What the motion leaves open stays at the prior whichever part is left out; only the posterior knows its error.
     """

@@ -39,6 +39,17 @@ def prefixes(raw: RawRecording) -> list[Note]:
     return [Note("prefix", text + kept, columns=names)]
 
 
+def unnamed(raw: RawRecording) -> list[Note]:
+    """Say that points without a name stand beside the markers."""
+    if not raw.unnamed:
+        return []
+    return [
+        Note(
+            "unnamed", f"up to {raw.unnamed} points of a frame have no name, and no column of their own: left out"
+        )
+    ]
+
+
 def computed(raw: RawRecording) -> tuple[list[Note], list[bool]]:
     """Say which points are angles, forces, moments or powers, and for each label whether it is."""
     known = {without_prefix(label) for label in raw.computed}

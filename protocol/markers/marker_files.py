@@ -10,9 +10,10 @@ from limbcal.errors import ConfigError
 from limbcal.note import Note
 from protocol.markers.c3d_file import read_c3d
 from protocol.markers.clock import timed
+from protocol.markers.crossings import uncrossed
 from protocol.markers.force_notes import nan_forces
 from protocol.markers.frame import stands_along, unit_of, up_of
-from protocol.markers.labels import computed, doubled, names_of, prefixes
+from protocol.markers.labels import computed, doubled, names_of, prefixes, unnamed
 from protocol.markers.marker_jumps import jumps
 from protocol.markers.missing import ended, gaps, zeros
 from protocol.markers.recording import MarkerRecording, RawRecording
@@ -53,10 +54,11 @@ def read_markers(paths: Sequence[Path], progress: Callable[[int], None] | None =
 def look_at(raws: Sequence[RawRecording], progress: Callable[[int], None] | None = None) -> list[Looked]:
     """Say what is wrong with recordings of one person, and put right what is safe."""
     first = _agreed_up(raws, [_in_metres(raw) for raw in raws])
-    others = agreed([one.recording for one in first])
+    recordings = [one.recording for one in first]
+    most = agreed(recordings)
     found = []
     for k, one in enumerate(first):
-        found.append(_put_right(one, others))
+        found.append(_put_right(one, [*recordings[:k], *recordings[k + 1 :]], most))
         if progress is not None:
             progress(k + 1)
     return found
@@ -83,7 +85,7 @@ def read_raw(path: Path) -> RawRecording:
 
 def _in_metres(raw: RawRecording) -> Looked:
     """Return a recording in metres with the names of its markers."""
-    notes = [*prefixes(raw), *ended(raw)]
+    notes = [*prefixes(raw), *unnamed(raw), *ended(raw)]
     said, raw = timed(raw)
     notes += said
     said, is_computed = computed(raw)
@@ -118,8 +120,9 @@ def _agreed_up(raws: Sequence[RawRecording], looked: Sequence[Looked]) -> list[L
     return found
 
 
-def _put_right(one: Looked, others: Agreed) -> Looked:
+def _put_right(one: Looked, others: Sequence[MarkerRecording], most: Agreed) -> Looked:
     recording = one.recording
-    swapped, positions, exchanged = put_right(recording, others)
-    leaps = jumps(recording.names, positions, recording.rate_hz, exchanged)
-    return Looked(replace(recording, positions=positions), (*one.notes, *swapped, *leaps))
+    crossed, positions, leapt = uncrossed(recording, others)
+    swapped, positions, exchanged = put_right(replace(recording, positions=positions), most)
+    leaps = jumps(recording.names, positions, recording.rate_hz, leapt | exchanged)
+    return Looked(replace(recording, positions=positions), (*one.notes, *crossed, *swapped, *leaps))

@@ -49,6 +49,8 @@ class RawRecording:
     forces : tuple of ForceRecord
     stated_frames : int, optional
         How many frames there are by the header.
+    unnamed : int
+        Points without a name in a frame, at the most, that the file holds beside its markers.
     """
 
     path: str
@@ -62,6 +64,7 @@ class RawRecording:
     other_rates: dict[str, float] = field(default_factory=dict)
     forces: tuple[ForceRecord, ...] = ()
     stated_frames: int | None = None
+    unnamed: int = 0
 
     @property
     def t0_s(self) -> float:

@@ -28,7 +28,7 @@ _RIGHTER = 2.0
 #: Most frames of a reference; least frames of an exchange.
 _FRAMES, _SHORTEST = 400, 3
 #: … and this long [s]: a glimpse is not enough.
-_SHORTEST_S = 0.05
+SHORTEST_S = 0.05
 #: … which must be this fraction of the time from its first to its last one.
 _MOSTLY = 0.5
 #: So many recordings of one person overrule one of them.
@@ -161,7 +161,7 @@ def put_right(recording: MarkerRecording, others: Agreed) -> tuple[list[Note], n
         return notes, positions, exchanged
     distance, deviation = _by_majority(reference_of(positions), names, others)
     distances = _Distances(positions, _partners(distance, deviation), distance)
-    shortest = max(_SHORTEST, round(_SHORTEST_S * recording.rate_hz))
+    shortest = max(_SHORTEST, round(SHORTEST_S * recording.rate_hz))
     found: list[tuple[float, int, int, int, int]] = []
     for i, j in combinations(distances.wrong, 2):
         frames = np.intersect1d(distances.wrong[i], distances.wrong[j], assume_unique=True)

@@ -1,4 +1,8 @@
-"""TRC: a table of marker positions with tabs, as OpenSim and many laboratories write it."""
+"""TRC: a table of marker positions with tabs, as OpenSim and many laboratories write it; spreadsheets make commas.
+
+Motion Analysis' programs write the points that they could not name behind the named ones, from frame to frame
+others in the same columns.
+"""
 
 from pathlib import Path
 
@@ -28,34 +32,50 @@ def read_trc(path: Path) -> RawRecording:
     lines = text.splitlines()
     if len(lines) <= _HEADER_LINES or not lines[0].startswith("PathFileType"):
         raise DataError(f"{path}: its first line does not begin with PathFileType, expected a TRC file")
+    by = "\t" if "\t" in lines[3] else ","
     header = _header(lines[1], lines[2])
     rate_hz = _number(path, header, "DataRate")
-    labels = tuple(label.strip() for label in lines[3].split("\t")[2:] if label.strip())
-    rows = [line for line in lines[_HEADER_LINES:] if line.strip()]
+    labels = tuple(label.strip() for label in lines[3].split(by)[2:] if label.strip())
+    rows = [line for line in lines[_HEADER_LINES:] if line.strip(" \t,")]
     stated = _stated_frames(header)
     if stated is not None and len(rows) < stated and not text.endswith("\n"):
         rows = rows[:-1]  # cut off within its last line
-    table = np.full((len(rows), 2 + 3 * len(labels)), np.nan)
+    table, unnamed = np.full((len(rows), 2 + 3 * len(labels)), np.nan), 0
     for k, row in enumerate(rows):
-        fields = row.split("\t")
+        fields = row.split(by)
         # A row may end with tabs, and one of them may stand double where the header has none.
         for i, text in enumerate(fields[: table.shape[1]]):
             if text.strip():
                 table[k, i] = _value(path, text, k, i)
-        if len(fields) < 2 or any(text.strip() for text in fields[table.shape[1] :]):
-            raise DataError(f"{path}: row {k + 1} has {len(fields)} fields, expected {table.shape[1]}")
+        more = _filled(fields[table.shape[1] :])
+        if len(fields) < 2 or more % 3:
+            expected = f"{table.shape[1]}, or three for each point without a name beside them"
+            raise DataError(f"{path}: row {k + 1} has {len(fields)} fields, expected {expected}")
+        unnamed = max(unnamed, more // 3)
     if not rows or not labels:
         raise DataError(f"{path}: it has {len(rows)} frames of {len(labels)} markers, expected some of each")
     points = table[:, 2:].reshape(len(rows), len(labels), 3)
     points[np.isnan(points).any(axis=2)] = np.nan
     return RawRecording(
-        str(path), rate_hz, header.get("Units", ""), labels, points, table[:, 1], stated_frames=stated
+        str(path),
+        rate_hz,
+        header.get("Units", ""),
+        labels,
+        points,
+        table[:, 1],
+        stated_frames=stated,
+        unnamed=unnamed,
     )
 
 
+def _filled(fields: list[str]) -> int:
+    """Return the number of fields up to the last one that holds something."""
+    return max((k + 1 for k, text in enumerate(fields) if text.strip()), default=0)
+
+
 def _header(names: str, values: str) -> dict[str, str]:
-    """Return the header's values by name; an empty one shifts no other where tabs part them."""
-    by = "\t" if "\t" in names else None
+    """Return the header's values by name; an empty one shifts no other where tabs or commas part them."""
+    by = next((by for by in "\t," if by in names), None)
     return {name.strip(): value.strip() for name, value in zip(names.split(by), values.split(by), strict=False)}
 
 

@@ -4,6 +4,7 @@ import pytest
 
 from benchmarks.simulated_people.body import fitted
 from fitter.body.document import body_document
+from fitter.limb.marker_errors import scores_of
 
 
 @pytest.fixture(scope="session")
@@ -18,4 +19,4 @@ def fit():
 
 @pytest.fixture(scope="session")
 def found(person, fit):
-    return body_document(fit, [person.recording], [], 0)
+    return body_document(fit, scores_of(fit, [person.recording], [], 0))

@@ -173,7 +173,7 @@ def test_of_a_recordings_notes_those_are_passed_on_that_matter_here(monkeypatch,
         return looked
 
     monkeypatch.setattr(limb_kinematics, "read_markers", read_markers)
-    recordings, found = recordings_of((tmp_path / "move.trc",), "learning")
+    recordings, found = recordings_of((tmp_path / "move.trc",))
     assert recordings == [recording]
     assert [(note.kind, note.source) for note in found] == [("swapped", "move.trc")]
     assert np.isfinite(recordings[0].positions).all()

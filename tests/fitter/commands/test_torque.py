@@ -37,8 +37,8 @@ def test_a_link_or_plate_that_is_not_there_is_said(text):
 
 
 def test_two_loaded_plates_need_a_word():
-    with pytest.raises(ConfigError, match="such as --contact 'a'=hand_left"):
-        contacts_of([], [plate("a"), plate("b")], load_arm("human-body"))
+    with pytest.raises(ConfigError, match="such as --contact a=hand"):
+        contacts_of([], [plate("a"), plate("b")], load_arm("human-arm-left"))
 
 
 #: 2 kg at 0.2 m: 3.92 N m where it lies across gravity.

@@ -3,7 +3,7 @@
 from dataclasses import replace
 
 from fitter.functional.marker_set import load_marker_set, parse_marker_set
-from fitter.functional.marker_set_fit import best_built_in, fit_marker_set
+from fitter.functional.marker_set_fit import best_built_in, built_in_advice, fit_marker_set
 
 SET = parse_marker_set(
     'schema = 1\nname = "lab"\n[segments]\nthigh_left = ["T1", "T2", "T3"]\nshank_left = ["S1", "S2", "S3"]\n'
@@ -69,3 +69,9 @@ def test_no_marker_at_all_is_no_set():
     fit = fit_marker_set(SET, [])
     assert len(texts(fit, "missing_marker")) == 6
     assert fit.segments == {}
+
+
+def test_where_no_built_in_set_is_meant_a_draft_is_advised():
+    assert "cgm2" in built_in_advice(load_marker_set("cgm2").markers)
+    others = [f"P{k}" for k in range(40)] + list(load_marker_set("opencap").markers)[:3]
+    assert "fitter marker-set" in built_in_advice(others) and "no built-in set fits" in built_in_advice(others)

@@ -42,6 +42,17 @@ def test_a_box_stepped_off_is_found_with_its_time():
     assert notes[0].from_s is not None and notes[0].from_s < 1.5 < notes[0].to_s < 4.0
 
 
+def test_a_chair_sat_on_for_most_of_a_trial_is_found_with_its_time():
+    (note,) = closed(0, lambda wrench, t: wrench * (t > t[0] + 4.0)[:, None])
+    assert note.kind == "unmeasured_contact" and "throughout" not in note.text
+    assert note.from_s is not None and note.from_s < 1.0 and 4.0 < note.to_s < 5.5
+
+
+def test_a_plate_that_reads_half_is_said_to_do_so_throughout():
+    (note,) = closed(0, lambda wrench, t: 0.5 * wrench)
+    assert "throughout" in note.text and note.from_s is None
+
+
 def test_a_hand_that_stands_still_while_the_trunk_sways_holds_a_rail():
     rng = np.random.default_rng(2)
     q = moving(PERSON, rng, 6.0, size=0.2)

@@ -5,12 +5,13 @@ import pytest
 
 from fitter.functional.disjoint import coverage_factor
 from fitter.limb.json_document import derived_document, document, length_label, of_markers, rms_mm
+from fitter.limb.marker_errors import scores_of
 from fitter.limb.uncertainty import Derived, Errors
 
 
 @pytest.fixture(scope="module")
 def found(leg):
-    return document(leg.fit, leg.truth.recordings[:1], leg.truth.recordings[1:], 0)
+    return document(leg.fit, scores_of(leg.fit, leg.truth.recordings[:1], leg.truth.recordings[1:], 0))
 
 
 def test_lengths_are_the_persons_in_metres(leg, found):
@@ -38,7 +39,7 @@ def test_markers_are_told_trial_set_by_set(leg, found):
     mean = np.sqrt(np.mean(np.square(list(rms["per_marker"].values()))))
     assert mean == pytest.approx(rms["evaluate"]["rms"], rel=1e-6)
     assert found["samples"] == 120 and found["method"] == "bundle" and found["converged"]
-    alone = document(leg.fit, leg.truth.recordings[:1], [], 0)
+    alone = document(leg.fit, scores_of(leg.fit, leg.truth.recordings[:1], [], 0))
     assert "evaluate" not in alone["marker_rms_mm"] and alone["explained"]["evaluate"] is None
 
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
-from fitter.limb.marker_errors import hardly, marker_errors
+from fitter.limb.marker_errors import beyond_skin, hardly, marker_errors
 from fitter.limb.marker_observations import Frames
 
 N = 400
@@ -65,3 +65,12 @@ def test_a_stance_has_no_motion_to_explain(off_m: float, explained: float | None
 @pytest.mark.parametrize(("explained", "said"), [(-0.5, "nothing;"), (0.125, "12.5 %")])
 def test_what_is_hardly_explained_is_said(explained: float, said: str) -> None:
     assert said in hardly(explained)
+
+
+def test_markers_farther_off_than_skin_slides_are_named() -> None:
+    distance = np.full((50, 3), 0.008)
+    distance[:, 1] = 0.11
+    distance[::2, 2], distance[1::2, 2] = 0.06, np.nan
+    (note,) = beyond_skin(("thigh1", "thigh2", "knee"), distance)
+    assert note.kind == "beyond_skin" and note.columns == ("thigh2", "knee") and "60 to 110 mm" in note.text
+    assert beyond_skin(("thigh1",), distance[:, :1]) == []

@@ -146,3 +146,18 @@ def test_halves_are_apart_by_their_distance():
     one, other = (Derived({}, {"hip": ("pelvis", np.array(x))}, {}) for x in ([0.0, 0.0, 0.0], [0.0, 0.03, 0.04]))
     found = Errors(np.zeros(1), np.ones(1, dtype=bool), np.zeros((3, 3)), (one, other), 2)
     assert found.apart_m("centres", "hip") == pytest.approx(0.05)
+
+
+def test_an_error_is_no_less_than_disjoint_fits_disagree_by(known):
+    n = len(known.task.prior.information)
+    S = np.tile(50.0 * np.diag(known.task.prior.information), (2, 1, 1))
+    task, bundle, _ = linear(known, S, np.zeros((2, n)), 2)
+    moved = replace(bundle, markers=replace(bundle.markers, place=bundle.markers.place + [0.0, 0.0, 0.2]))
+
+    def derive(geometry, place):
+        return Derived({}, {"c": ("s", place[0])}, {})
+
+    alone = errors_of(task, bundle, 2, [], derive).derived_covariance
+    found = errors_of(task, bundle, 2, [bundle, moved], derive)
+    assert found.derived_covariance[2, 2] == pytest.approx(max(alone[2, 2], 0.1**2))
+    assert found.apart_m("centres", "c") == pytest.approx(0.2)

@@ -2,13 +2,14 @@
 
 from benchmarks.simulated_people.body import fitted
 from fitter.body.document import body_document
+from fitter.limb.marker_errors import scores_of
 from fitter.report.body_page import lowest_and_highest, write_body_page
 from limbcal.note import Note
 
 
 def test_the_page_has_lengths_by_side_and_pictures(tmp_path):
     person, fit = fitted()
-    answer = body_document(fit, [person.recording], [], 0)
+    answer = body_document(fit, scores_of(fit, [person.recording], [], 0))
     page = tmp_path / "page.html"
     write_body_page(page, fit, answer, [person.recording], [Note("gap", "a marker was away")])
     text = page.read_text()

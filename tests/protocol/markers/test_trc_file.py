@@ -43,6 +43,20 @@ def test_decimal_commas_and_byte_order_marks_are_read(tmp_path, encoding):
     assert raw.t[1] == 0.01 and raw.points[2, 1, 2] == 7.5
 
 
+def test_points_without_a_name_behind_the_named_move_none(tmp_path):
+    more = ROWS.replace("\t5\t6\n", "\t5\t6\t\t\t\t7\t8\t9\n")
+    raw = read_trc(written(tmp_path, HEADER + more))
+    assert (raw.labels, raw.unnamed) == (("LASI", "RASI"), 2)
+    np.testing.assert_array_equal(raw.points[0], [[1, 2, 3], [4, 5, 6]])
+    np.testing.assert_array_equal(raw.points[2], [[1, 2, 3], [4, 5, 7]])
+
+
+def test_commas_part_what_a_spreadsheet_wrote(tmp_path):
+    raw = read_trc(written(tmp_path, (HEADER + ",,,,,\n" + ROWS).replace("\t", ",")))
+    assert (raw.labels, raw.unit, raw.rate_hz) == (("LASI", "RASI"), "mm", 100.0)
+    np.testing.assert_array_equal(raw.points[2], [[1, 2, 3], [4, 5, 7]])
+
+
 def test_an_empty_unit_shifts_no_other_field(tmp_path):
     assert read_trc(written(tmp_path, HEADER.replace("\tmm\t", "\t\t") + ROWS)).unit == ""
 
