@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 
 from limbcal.errors import ConfigError, DataError
+from limbcal.memory_limit import memory_limit
 from protocol.markers.recording import ForceRecord, RawRecording
 from protocol.tables.table import Floats
 
@@ -17,11 +18,15 @@ from protocol.tables.table import Floats
 _KEY = 0x50
 #: A larger file is not read at once [byte].
 LARGEST_BYTES = 2_000_000_000
+#: What ezc3d may take for a byte of the file, and beside that: a sample of 16 bits becomes an object of some 48 bytes
+#: and a double in two arrays, 32 times as much, and twice that is let pass. A damaged count would ask for gigabytes.
+_MEMORY_PER_BYTE, _MEMORY_BYTES = 64, 2**26
 #: The C3D file format (www.c3d.org): the first and the last frame stand at byte 6 of the header, as 16-bit words.
 #: The largest word says that the number is larger. The processor is the fourth byte of the parameters, whose block
 #: is the file's first byte: 84 is Intel's and 85 DEC's.
 _HEAD_BYTES, _FRAMES, _UNKNOWN_FRAME = 12, 6, 0xFFFF
 _BLOCK_BYTES, _PROCESSOR, _LITTLE_ENDIAN = 512, 3, (b"T", b"U")
+_NO_MEMORY = "bad_alloc"  # what C++ calls it, as ezc3d hands it on
 #: Groups of labels that stand among the points and are none.
 _COMPUTED = ("ANGLES", "FORCES", "MOMENTS", "POWERS", "SCALARS")
 
@@ -50,9 +55,13 @@ def read_c3d(path: Path) -> RawRecording:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
-            file = ezc3d.c3d(str(path))
+            with memory_limit(_MEMORY_PER_BYTE * size + _MEMORY_BYTES):
+                file = ezc3d.c3d(str(path))
     except (OSError, RuntimeError, ValueError, IndexError, OverflowError, MemoryError) as error:
-        raise DataError(f"{path}: the C3D file cannot be read: {error}") from error
+        why = str(error)
+        if isinstance(error, MemoryError) or _NO_MEMORY in why:
+            why = f"a count in it asks for more memory than {size} bytes can fill; is it damaged?"
+        raise DataError(f"{path}: the C3D file cannot be read: {why}") from error
     return replace(_recording(path, file), stated_frames=_stated_frames(path))
 
 

@@ -50,6 +50,15 @@ def test_what_is_no_c3d_file_is_one_sentence(tmp_path):
             read_c3d(path)
 
 
+def test_a_damaged_count_is_refused_at_once(written):
+    data = bytearray(written.read_bytes())
+    dimensions = data.index(b"LABELS") + len("LABELS") + 3  # behind an offset of two bytes, and the type
+    data[dimensions : dimensions + 6] = b"\x05" + b"\xff" * 5
+    written.write_bytes(bytes(data))
+    with pytest.raises(DataError, match="cannot be read: a count in it asks for more memory"):
+        read_c3d(written)
+
+
 def test_platforms_are_read_without_a_calibration_matrix(measured_data):
     raw = read_c3d(measured_data / "biobuddy" / "right_knee.c3d")
     assert [(force.name, force.rate_hz) for force in raw.forces] == [("plate 1", 2000.0), ("plate 2", 2000.0)]
