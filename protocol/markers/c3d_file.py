@@ -18,8 +18,9 @@ from protocol.tables.table import Floats
 _KEY = 0x50
 #: A larger file is not read at once [byte].
 LARGEST_BYTES = 2_000_000_000
-#: What ezc3d may take for a byte of the file, and beside that [byte]: a sample of 16 bits becomes an object of some
-#: 48 bytes and a double in two arrays, 32 times as much, and twice that is let pass. A damaged count asks for more.
+#: What ezc3d may take for a byte of the file, and beside that [byte]: a sample of 16 bits becomes an object of
+#: some 48 bytes and a double in two arrays, 32 times as much, and twice that is let pass. A damaged count asks for
+#: more.
 _MEMORY_PER_BYTE, _MEMORY_BYTES = 64, 2**26
 #: The C3D file format (www.c3d.org): the first and the last frame stand at byte 6 of the header, as 16-bit words.
 #: The largest word says that the number is larger. The processor is the fourth byte of the parameters, whose block
