@@ -129,6 +129,10 @@ def fit_dynamics(
             objective = "torque"
     if objective != "likelihood":
         sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
+    if objective == "motion" and not np.any(sums.gram):
+        # Joints turn back so often that no equation holds behind the filter of eq. (9); that of the likelihood is
+        # as wide as the noise lets it be.
+        sums, _, _ = _by_noise(arm, base, learn, fixed or {}, rest_speed)
     if objective in ("weighted", "robust"):
         sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective, rest_speed)
     fit = fit_sums(
