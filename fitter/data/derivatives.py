@@ -9,6 +9,8 @@ import numpy as np
 import scipy
 from numpy.typing import NDArray
 
+from limbcal.compiled import compiled
+
 Floats = NDArray[np.float64]
 Ends = Literal["odd", "even"]
 
@@ -46,16 +48,38 @@ def lowpass(values: Floats, dt_s: float, cutoff_hz: float, ends: Ends = "odd") -
     """
     if cutoff_hz * dt_s >= HIGHEST_CORNER:
         return values
-    sections, settled = _sections(dt_s, cutoff_hz)
     padding = min(len(values) - 1, PADDING * settling_samples(dt_s, cutoff_hz))
     before, after = values[padding:0:-1], values[-2 : -padding - 2 : -1]
     if ends == "odd":
         before, after = 2.0 * values[0] - before, 2.0 * values[-1] - after
     column = np.concatenate([before, values, after])
-    settled = settled.reshape(*settled.shape, *(1 for _ in values.shape[1:]))
-    for _ in range(2):  # forwards, and what came of that backwards
-        column = scipy.signal.sosfilt(sections, column, axis=0, zi=settled * column[0])[0][::-1]
-    return np.asarray(column[padding : padding + len(values)], dtype=np.float64)
+    passed = there_and_back(*_sections(dt_s, cutoff_hz), np.ascontiguousarray(column.reshape(len(column), -1)))
+    return np.asarray(passed[padding : padding + len(values)].reshape(values.shape))
+
+
+@compiled
+def there_and_back(sections: Floats, settled: Floats, columns: Floats) -> Floats:
+    """Return columns (n, m) behind a filter's sections, run forwards and what came of that backwards.
+
+    `scipy.signal.sosfilt` does the same, but its checks take longer than a short column.
+    """
+    n, m = columns.shape
+    passed, state = columns.copy(), np.zeros_like(settled)
+    for j in range(m):
+        for way in (1, -1):
+            k = 0 if way > 0 else n - 1
+            state[:] = settled * passed[k, j]
+            for _ in range(n):
+                x = passed[k, j]
+                for i in range(len(sections)):
+                    b0, b1, b2, _one, a1, a2 = sections[i]
+                    y = b0 * x + state[i, 0]
+                    state[i, 0] = b1 * x - a1 * y + state[i, 1]
+                    state[i, 1] = b2 * x - a2 * y
+                    x = y
+                passed[k, j] = x
+                k += way
+    return passed
 
 
 @functools.cache

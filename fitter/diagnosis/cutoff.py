@@ -119,8 +119,13 @@ def noise_of_angles(trials: Sequence[Trial]) -> Floats:
 def white_noise(columns: Sequence[Floats]) -> Floats:
     """Return the rms of what is white in some columns: that of their third differences, robustly.
 
-    Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20).
+    Motion has next to nothing in a third difference at these rates; it enlarges white noise by sqrt(20). A column
+    most of whose samples repeat those before has none: a coarse step hides it, and errors are uniform within that.
     """
     third = np.concatenate([np.diff(values, 3, axis=0) for values in columns])
-    deviation = np.median(np.abs(third), axis=0) / scipy.special.ndtri(0.75)
-    return np.asarray(deviation / np.sqrt(20.0), dtype=np.float64)
+    deviation = np.median(np.abs(third), axis=0) / scipy.special.ndtri(0.75) / np.sqrt(20.0)
+    for j in np.flatnonzero(deviation == 0.0):
+        steps = np.concatenate([np.abs(np.diff(values[:, j])) for values in columns])
+        if np.any(steps):
+            deviation[j] = np.median(steps[steps > 0.0]) / np.sqrt(12.0)
+    return np.asarray(deviation, dtype=np.float64)

@@ -20,7 +20,7 @@ from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.given_effects import acting_arm, as_in_file, given_model
 from fitter.diagnosis.held_out import judged_sets
-from fitter.diagnosis.hypotheses import hypotheses, living_ranges
+from fitter.diagnosis.hypotheses import hypotheses, reaches_of
 from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
 from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses
 from fitter.diagnosis.model import Candidate, Model
@@ -207,9 +207,9 @@ def _found(
 ) -> tuple[TorqueLikelihood, Stepwise, Found]:
     """Return the likelihood, the search by it, and what it has found."""
     regression = equations(motions)
-    living = living_ranges(regression.arm, [motion.q for motion in motions])
+    reaches = reaches_of(regression.arm, [motion.q for motion in motions])
     driven = regression.equations.known is None
-    tried = hypotheses(regression.arm.n_joint, regression.denied, driven=driven, living=living)
+    tried = hypotheses(regression.arm.n_joint, regression.denied, driven=driven, reaches=reaches)
     count = [0]
 
     def trying(done: int, total: int) -> None:

@@ -54,6 +54,9 @@ class DisturbancePulses(Hypothesis):
         self.n_column = len(self.found)
         #: Whether start and end of each are seen, (n_pulse, 2).
         self._seen = np.array([one.unseen_s for one in self.found]).reshape(-1, 2) == 0.0
+        #: Of each motion, which stays so that its id does, and push: where that was last, and its column, 0 where
+        #: it is far. A slope moves one push only.
+        self._made: dict[tuple[int, int], tuple[Motion, tuple[float, float], Floats | float]] = {}
 
     @property
     def low(self) -> Floats:
@@ -84,11 +87,21 @@ class DisturbancePulses(Hypothesis):
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion with what an impulse of 1 N m s of each push asks of the drive."""
         column = np.zeros((*hypothetical.q.shape, len(self.found)))
-        for k, (one, (start_s, duration_s)) in enumerate(zip(self.found, self._places(psi), strict=True)):
-            place, near = (start_s, duration_s, one.form), (start_s - duration_s, start_s + 2.0 * duration_s)
-            area = behind_filter(hypothetical.motion, partial(_area, place=place), near)
-            column[:, self.joints[0], k] = -area / duration_s
+        for k, (start_s, duration_s) in enumerate(self._places(psi)):
+            column[:, self.joints[0], k] = self._column(
+                hypothetical.motion, k, (float(start_s), float(duration_s))
+            )
         return replace(hypothetical, columns=(*hypothetical.columns, column))
+
+    def _column(self, motion: Motion, k: int, place: tuple[float, float]) -> Floats | float:
+        """Return what an impulse of 1 N m s of a push at some place asks of the drive, (n,), or 0 throughout."""
+        made = self._made.get((id(motion), k))
+        if made is None or made[1] != place:
+            start_s, duration_s = place
+            near = (start_s - duration_s, start_s + 2.0 * duration_s)
+            area = behind_filter(motion, partial(_area, place=(*place, self.found[k].form)), near)
+            made = self._made[id(motion), k] = motion, place, -area / duration_s if np.any(area) else 0.0
+        return made[2]
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:
         """Return start, duration and torque of each push."""

@@ -1,6 +1,7 @@
 """All that may be wrong with the arm: every effect of the catalogue at every place where it can be."""
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -10,13 +11,11 @@ from arm.effects.joint_torque import COULOMB, TAU
 from arm.model import Arm, Floats
 from fitter.diagnosis.arm_hypotheses import AirDrag, FrictionDrift, GravityTilt, JointZero, RotorInertia
 from fitter.diagnosis.drive_hypotheses import Delay, Gain, Lag, Limit
-from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on
+from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on, periods_tried
 from fitter.diagnosis.model import Hypothesis
 from fitter.diagnosis.transmission_hypotheses import Backlash, Elasticity
 
 _Maker = Callable[[EffectKind, tuple[int, ...]], Hypothesis]
-#: Lowest and highest angle that a joint reaches [rad].
-Ends = tuple[float, float]
 #: Places of an effect in an arm of n joints.
 _Places = Callable[[int], list[tuple[int, ...]]]
 
@@ -45,8 +44,31 @@ _MAKERS: dict[str, tuple[_Maker, _Places]] = {
 }
 
 
+@dataclass(frozen=True)
+class Reach:
+    """What a joint reaches.
+
+    Attributes
+    ----------
+    low, high : float [rad or m]
+        Its lowest and its highest position.
+    slides : bool
+    lives : bool
+        It turns, and is a living body's.
+    """
+
+    low: float
+    high: float
+    slides: bool = False
+    lives: bool = False
+
+
+#: Of a joint of which nothing is known but that it turns.
+_ROUND = Reach(-np.pi, np.pi)
+
+
 def hypotheses(
-    n_joint: int, denied: tuple[str, ...] = (), driven: bool = True, living: Mapping[int, Ends] | None = None
+    n_joint: int, denied: tuple[str, ...] = (), driven: bool = True, reaches: Sequence[Reach] | None = None
 ) -> list[Hypothesis]:
     """Return every hypothesis about the joints that is no event.
 
@@ -57,9 +79,8 @@ def hypotheses(
         Frictions that the base model leaves out: ``D``, ``fc``.
     driven : bool
         Whether a torque drives the arm: without one nothing can go wrong on its way.
-    living : mapping from joint to (lowest, highest) angle [rad], optional
-        Turning joints of a living body, from 0, with the ends of the range that the motion reaches; none unless
-        given.
+    reaches : sequence of Reach, optional
+        What each joint reaches; unless given, joints of a machine that go round.
     """
     found: list[Hypothesis] = []
     for name, kind in catalogue().items():
@@ -70,7 +91,7 @@ def hypotheses(
         if name in _MAKERS:
             found += [made(kind, place) for place in _MAKERS[name][1](n_joint)]
         elif kind.place == "joint" and not kind.event:
-            found += _at_joints(kind, n_joint, living or {})
+            found += _at_joints(kind, reaches or [_ROUND] * n_joint)
     return found
 
 
@@ -79,8 +100,8 @@ def made(kind: EffectKind, joints: tuple[int, ...]) -> Hypothesis:
     return _MAKERS[kind.name][0](kind, joints)
 
 
-def living_ranges(arm: Arm, angles: Sequence[Floats]) -> dict[int, Ends]:
-    """Return the range that each turning joint of a living body reaches, joints from 0; none of a machine's.
+def reaches_of(arm: Arm, angles: Sequence[Floats]) -> list[Reach]:
+    """Return what each joint of an arm reaches.
 
     Parameters
     ----------
@@ -88,22 +109,22 @@ def living_ranges(arm: Arm, angles: Sequence[Floats]) -> dict[int, Ends]:
     angles : sequence of (n_sample, n_joint) [rad or m]
         Of each motion.
     """
-    if arm.body is None:
-        return {}
     low, high = np.min([q.min(axis=0) for q in angles], axis=0), np.max([q.max(axis=0) for q in angles], axis=0)
-    turning = [j for j, joint in enumerate(arm.joints) if joint.type == "revolute"]
-    return {j: (float(low[j]), float(high[j])) for j in turning}
+    ends = zip(map(float, low), map(float, high), (one.type == "prismatic" for one in arm.joints), strict=True)
+    return [Reach(least, most, slides, arm.body is not None and not slides) for least, most, slides in ends]
 
 
-def _at_joints(kind: EffectKind, n_joint: int, living: Mapping[int, Ends]) -> list[Hypothesis]:
+def _at_joints(kind: EffectKind, reaches: Sequence[Reach]) -> list[Hypothesis]:
     if depends_on(kind, COULOMB):
-        return [FrictionDrift(kind, (j,)) for j in range(n_joint)]
+        return [FrictionDrift(kind, (j,)) for j in range(len(reaches))]
     sides = (-1.0, 1.0) if any(p.name == "side" for p in kind.parameters) else ()
     if kind.is_living:
         return [
-            JointHypothesis(kind, j, {"side": side, kind.stated_at: ends[side > 0.0]})
-            for j, ends in living.items()
+            JointHypothesis(kind, j, {"side": side, kind.stated_at: reach.high if side > 0.0 else reach.low})
+            for j, reach in enumerate(reaches)
+            if reach.lives
             for side in sides
         ]
+    periods = [periods_tried(reach.high - reach.low, reach.slides) for reach in reaches]
     choices = [{"side": side} for side in sides] or [{}]
-    return [JointHypothesis(kind, j, choice) for j in range(n_joint) for choice in choices]
+    return [JointHypothesis(kind, j, choice, one) for j, one in enumerate(periods) for choice in choices]

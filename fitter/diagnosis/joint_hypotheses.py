@@ -29,14 +29,21 @@ class JointHypothesis(Hypothesis):
         From 0.
     choice : mapping from name to float
         Parameters that are given, such as the side of a stop, or the angle at which a moment is stated.
+    periods : (n,), optional
+        Ripples a turn that are tried (`periods_tried`), of a joint that goes round unless given.
     """
 
     is_inertial = False
-    #: Ripples a turn that are tried: with less than one they would be a spring or an offset.
-    periods = np.arange(1.0, 81.0)
 
-    def __init__(self, kind: EffectKind, joint: int, choice: dict[str, float] | None = None) -> None:
+    def __init__(
+        self,
+        kind: EffectKind,
+        joint: int,
+        choice: dict[str, float] | None = None,
+        periods: Floats | None = None,
+    ) -> None:
         super().__init__(kind, (joint,))
+        self.periods = periods_tried(2.0 * np.pi) if periods is None else periods
         self.depends_on_torque = depends_on(kind, TAU)
         self._joint = joint
         self.choice = choice or {}
@@ -203,6 +210,25 @@ class JointHypothesis(Hypothesis):
             grid = np.linspace(parameter.low, parameter.high, N_START)
         inside = (grid >= parameter.low) & (grid <= parameter.high)
         return np.asarray(grid[inside] if np.any(inside) else grid, dtype=np.float64)
+
+
+def periods_tried(reach: float, slides: bool = False, count: int = 80) -> Floats:
+    """Return the ripples a turn that are tried: whole ones of a turn, or of what a joint that slides reaches.
+
+    A ripple comes round within what the joint reaches: with less of it, it would be a spring or an offset. A turn
+    of a joint that slides is 2 pi m.
+
+    Parameters
+    ----------
+    reach : float [rad or m]
+        How far the joint's lowest and highest position are apart.
+    slides : bool
+    count : int
+        How many are tried: as many as teeth or magnets of usual drives have.
+    """
+    once = 2.0 * np.pi / max(reach, ROUNDED)
+    step = once if slides else 1.0
+    return np.asarray(step * (np.ceil(max(once / step, 1.0)) + np.arange(count)), dtype=np.float64)
 
 
 def _moving(states: Floats, way: float) -> Floats:

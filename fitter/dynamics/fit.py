@@ -128,7 +128,7 @@ def fit_dynamics(
         if notes and not chosen:
             objective = "torque"
     if objective != "likelihood":
-        sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
+        sums = _plain(arm, base, learn, fixed or {}, rest_speed, objective == "motion")
     if objective in ("weighted", "robust"):
         sums, notes = _reweighted(arm, base, learn, sums, fixed or {}, objective, rest_speed)
     fit = fit_sums(
@@ -173,6 +173,23 @@ def usual_objective(arm: Arm, trials: Sequence[Trial]) -> Objective:
         return "motion"
     plain = law and (any(has_unknown_target(arm, trial) or np.isinf(trial.band_hz) for trial in trials))
     return "torque" if plain else "likelihood"
+
+
+def _plain(
+    arm: Arm,
+    base: BaseParameters,
+    learn: Sequence[Trial],
+    fixed: Mapping[str, float],
+    rest_speed: float,
+    begins: bool,
+) -> TorqueSums:
+    """Return the sums of eq. (9).
+
+    Where joints turn back so often that no equation holds behind its filter, a fit of the motion ``begins`` with
+    the likelihood, whose filter is as wide as the noise lets it be.
+    """
+    sums = add_up([trial_sums(arm, base, trial, rest_speed) for trial in learn])
+    return _by_noise(arm, base, learn, fixed, rest_speed)[0] if begins and not np.any(sums.gram) else sums
 
 
 def _by_noise(

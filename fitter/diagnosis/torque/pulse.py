@@ -222,6 +222,14 @@ class Shapes:
         seen = known[np.minimum(end, n)] - known[begin]
         return np.asarray((end < n) & (2 * seen >= self.lasting[:, None]), dtype=np.bool_)
 
+    def feel(self, where: NDArray[np.bool_]) -> NDArray[np.bool_]:
+        """Say which pulses are felt in some of the rows (n,), by the row with which they begin, (n_shape, n)."""
+        n = len(where)
+        count = np.concatenate([[0], np.cumsum(where)])
+        first = np.arange(n) - self.before[:, None]
+        last = first + self.length[:, None]
+        return np.asarray(count[np.clip(last, 0, n)] > count[np.clip(first, 0, n)])
+
 
 @cache
 def _shapes(step_s: float, n_sample: int, band_hz: float) -> Shapes:

@@ -24,10 +24,13 @@ class Search:
         #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
         self.remaining_evidence = np.full(self.fit.shape, -np.inf)
 
-    def evidence(self, e: Floats) -> Floats:
-        """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats]."""
+    def evidence(self, e: Floats, places: NDArray[np.bool_]) -> Floats:
+        """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats].
+
+        It is asked for at some places, (n_shape, n), and nothing at the others.
+        """
         k, s = self.kalman, self.shapes
-        pulses = s.values, s.before, s.length, self.fit
+        pulses = s.values, s.before, s.length, places
         return np.asarray(_evidence(e, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
 
     def found(self, least: float) -> Iterator[Pulse]:
@@ -36,8 +39,8 @@ class Search:
         What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
         """
         e = self.kalman.innovations(self.rows.r)
+        at_places = self.evidence(e, self.fit)
         while self.fit.any():
-            at_places = self.evidence(e)
             shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
             if evidence < least:
@@ -49,7 +52,11 @@ class Search:
                 yield pulse
             self.fit &= ~self._overlapping(pulse)
             column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
-            e = e - self.kalman.innovations(pulse.torque_N_m * column)
+            change = self.kalman.innovations(pulse.torque_N_m * column)
+            e = e - change
+            # The filter forgets: far from the pulse nothing has changed.
+            anew = self.fit & self.shapes.feel(np.abs(change) > SETTLED)
+            at_places = np.where(anew, self.evidence(e, anew), np.where(self.fit, at_places, -np.inf))
 
     def evidence_by_block(self) -> Floats:
         """Return the evidence in blocks of a longest pulse's length where none was found, (n_block,) [nats]."""

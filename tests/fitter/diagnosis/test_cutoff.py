@@ -12,7 +12,7 @@ from fitter.data.derivatives import lowpass
 from fitter.data.motions import Measured
 from fitter.data.resample import Uniform
 from fitter.data.trial_filter import choose_cutoff_hz
-from fitter.diagnosis.cutoff import BAND_SHARE, CORNER_HZ, chatter, corner_hz
+from fitter.diagnosis.cutoff import BAND_SHARE, CORNER_HZ, chatter, corner_hz, white_noise
 
 
 def grids(swings_hz: list[float], dt_s: float = 0.002, noise: float = 2e-4) -> list[Uniform]:
@@ -103,3 +103,11 @@ def test_every_joint_is_asked_and_has_its_unit():
 def test_smooth_torques_and_none_are_not():
     assert chatter(ARM, [trial(np.array([0.1, 0.1]))]) == []
     assert chatter(ARM, [SimpleNamespace(whole={})]) == []
+
+
+def test_a_coarse_step_is_noise_where_samples_repeat():
+    """A uniform error within a step; most third differences of such a column are zero."""
+    step_rad, t = 1.5e-3, np.arange(0.0, 4.0, 1e-3)
+    q = step_rad * np.round(0.1 * np.sin(t) / step_rad)
+    assert white_noise([q[:, None]]) == pytest.approx([step_rad / np.sqrt(12.0)])
+    assert white_noise([np.ones((50, 1))]) == [0.0]

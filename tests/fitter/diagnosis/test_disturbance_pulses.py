@@ -9,6 +9,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from fitter.diagnosis.disturbance_pulses import DisturbancePulses
 from fitter.diagnosis.motion import as_measured
+from fitter.diagnosis.sharp_columns import behind_filter
 from fitter.diagnosis.torque.pulse import Pulse
 
 KIND = catalogue()["external_push"]
@@ -16,10 +17,14 @@ PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, 0.1, "rectangular", 20.0, 15
 OTHER = replace(PULSE, start_s=1.5, duration_s=0.4, torque_N_m=-6.0, form="bell")
 
 
-def acting(hypothesis, psi):
-    t, q = 0.01 * np.arange(300), np.zeros((300, 2))
+def resting(n=300):
+    t, q = 0.01 * np.arange(n), np.zeros((n, 2))
     trial = SimpleNamespace(t=t, dt_s=0.01, cutoff_hz=np.inf, trimmed=0)
-    motion = SimpleNamespace(trial=trial, t=t, dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
+    return SimpleNamespace(trial=trial, t=t, dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
+
+
+def acting(hypothesis, psi, motion=None):
+    motion = motion or resting()
     hypothetical = hypothesis.act(as_measured(motion, None), psi)
     assert np.all(hypothetical.u == 1.0)
     return hypothetical.columns[0]
@@ -39,6 +44,20 @@ def test_its_ends_move_with_psi():
     column = acting(push, np.array([0.9, 1.2]))[:, 0, 0]
     assert np.flatnonzero(column)[[0, -1]].tolist() == [98, 124]
     assert push.numbers(np.array([0.9, 1.2]), np.array([0.52])) == pytest.approx([0.98, 0.26, 2.0])
+
+
+def test_only_the_push_that_moved_is_filtered_anew(monkeypatch):
+    made, motion, push = list[object](), resting(), DisturbancePulses(KIND, 1, [PULSE, OTHER])
+    monkeypatch.setattr(
+        "fitter.diagnosis.disturbance_pulses.behind_filter",
+        lambda *given: made.append(given) or behind_filter(*given),
+    )
+    for psi in (np.ones(4), np.array([1.0, 1.0, 1.2, 1.0])):
+        again = DisturbancePulses(KIND, 1, [PULSE, OTHER])
+        np.testing.assert_array_equal(acting(push, psi, motion), acting(again, psi))
+    assert len([one for one in made if one[0] is motion]) == 3
+    short = resting(50)  # over before either begins
+    assert not np.any(acting(push, np.ones(4), short))
 
 
 def test_an_unseen_end_is_not_fitted():

@@ -5,7 +5,7 @@ import pytest
 
 from arm.effects.catalogue import catalogue
 from arm.model import Arm, Body, Joint
-from fitter.diagnosis.hypotheses import hypotheses, living_ranges
+from fitter.diagnosis.hypotheses import Reach, hypotheses, reaches_of
 
 #: How often an arm of three joints is asked about an effect.
 PLACES = {
@@ -43,13 +43,27 @@ def test_all_effects_of_joints_are_sought_without_a_word_about_them():
 def test_tissue_is_sought_at_both_ends_of_what_a_persons_turning_joints_reach():
     joints = (Joint(type="prismatic"), Joint(), Joint())
     q = np.array([[0.0, -0.5, 0.1], [1.0, 0.7, 0.2]])
-    assert living_ranges(Arm("machine", joints), [q]) == {}
-    living = living_ranges(Arm("leg", joints, body=Body("human-leg-right", 70.0, 1.75, "f")), [q, q + 0.1])
-    assert living == {1: (-0.5, pytest.approx(0.8)), 2: (0.1, pytest.approx(0.3))}
-    tissue = [one for one in hypotheses(3, living=living) if one.kind.name == "passive_tissue"]
+    assert not any(reach.lives for reach in reaches_of(Arm("machine", joints), [q]))
+    reaches = reaches_of(Arm("leg", joints, body=Body("human-leg-right", 70.0, 1.75, "f")), [q, q + 0.1])
+    ends = {1: (-0.5, pytest.approx(0.8)), 2: (0.1, pytest.approx(0.3))}
+    assert {j: (reach.low, reach.high) for j, reach in enumerate(reaches) if reach.lives} == ends
+    tissue = [one for one in hypotheses(3, reaches=reaches) if one.kind.name == "passive_tissue"]
     assert [(one.joints, one.choice["side"], one.choice["angle_rad"]) for one in tissue] == [
-        ((j,), side, living[j][end]) for j in (1, 2) for end, side in enumerate((-1.0, 1.0))
+        ((j,), side, ends[j][end]) for j in (1, 2) for end, side in enumerate((-1.0, 1.0))
     ]
+
+
+@pytest.mark.parametrize(
+    ("reach", "first", "second"),
+    [
+        (Reach(-4.0, 4.0), 1.0, 2.0),  # once a turn
+        (Reach(0.0, 1.0), 7.0, 8.0),
+        (Reach(0.0, 0.25, slides=True), 8.0 * np.pi, 16.0 * np.pi),
+    ],
+)
+def test_a_ripple_comes_round_within_what_a_joint_reaches(reach, first, second):
+    (cogging,) = (one for one in hypotheses(1, reaches=[reach]) if one.kind.name == "cogging")
+    assert cogging.low == pytest.approx([first]) and cogging.periods[:2] == pytest.approx([first, second])
 
 
 def test_a_friction_that_the_base_model_is_denied_is_sought():

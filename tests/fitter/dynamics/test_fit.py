@@ -11,6 +11,7 @@ from arm.base_parameters import base_parameters
 from arm.model import Arm, Control, Joint, Link
 from arm.regressor import standard_parameters
 from fitter.data.motion_file import write_motion
+from fitter.data.trial import undriven
 from fitter.data.trials import load_trials
 from fitter.dynamics.dynamics_fit import document
 from fitter.dynamics.evaluation import score
@@ -184,3 +185,19 @@ def test_angles_and_held_targets_are_enough(bench_trials, tmp_path):
     write_motion(tmp_path / "angles.npz", columns)
     fit = fit_dynamics(BLANK, load_trials([tmp_path / "angles.npz"], 2), method="least-squares")
     assert np.allclose(values_of(fit)[:4], TRUE[:4], rtol=6e-3)
+
+
+def test_a_small_swing_that_comes_to_rest_is_fitted_by_its_motion(tmp_path):
+    """It turns back more often than the filter of eq. (9) forgets: no equation of it holds behind that."""
+    square, dry, begun = 64.8, 0.16, 0.066  # m g l / I, friction / I, where it is let go
+    t, offset = np.arange(0.0, 16.0, 0.01), dry / square
+    half = np.minimum(np.floor(t * np.sqrt(square) / np.pi), np.floor(0.5 * begun / offset))
+    to_go = np.minimum(t * np.sqrt(square) - half * np.pi, np.pi)
+    q = (-1.0) ** half * ((begun - (2.0 * half + 1.0) * offset) * np.cos(to_go) + offset)
+    rows = np.column_stack([t, q + 2e-4 * np.random.default_rng(0).normal(size=len(t))])
+    np.savetxt(tmp_path / "swing.csv", rows, delimiter=",", header="t,q1", comments="")
+    arm = Arm("swing", (Joint(a_m=0.2),), (9.81, 0.0, 0.0))
+    trials = [undriven(trial) for trial in load_trials([tmp_path / "swing.csv"], 1, arm=arm)]
+    fit = fit_dynamics(arm, trials, objective="motion", fixed={"I1": 1.0}, method="least-squares", window_s=2.0)
+    assert fit.parameters["m1*sx1"].value == pytest.approx(square / 9.81, rel=0.01)
+    assert fit.parameters["fc1"].value == pytest.approx(dry, rel=0.1)

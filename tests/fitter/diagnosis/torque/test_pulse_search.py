@@ -1,11 +1,14 @@
 """The search of one trial: the likelihood ratio in Student's noise, and the evidence for the places of a pulse."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 import scipy.optimize
 import scipy.stats
 
 from fitter.diagnosis.torque.background import Background
+from fitter.diagnosis.torque.pulse import without
 from fitter.diagnosis.torque.pulse_search import Search, _ratio
 from tests.fitter.diagnosis.torque.residuals import trial
 
@@ -71,3 +74,11 @@ def test_a_pulse_that_is_seen_whole_is_no_friction():
     rows.friction[:] = 0.25
     search = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
     assert len(list(search.found(LEAST_NATS))) == 1
+
+
+def test_evidence_is_made_anew_wherever_a_pulse_was_felt():
+    one = search([(2.0, 0.2, 0.4, "rectangular"), (6.0, 0.3, -0.8, "rectangular")])
+    pulses = [replace(pulse, trial=0) for pulse in one.found(LEAST_NATS)]
+    (remaining,) = without([one.rows], pulses)
+    whole = one.evidence(one.kalman.innovations(remaining.r), one.fit)
+    np.testing.assert_allclose(one.remaining_evidence, whole, atol=0.01)
