@@ -220,11 +220,12 @@ def cross_over(child: Floats, mean: Floats, triangle: Floats, weight: Floats) ->
     Steps S = Q R; a sum with independent Gaussian weights over the rows of S is distributed as one over the
     rows of R, of which there are only as many as genes.
     """
+    child[:] = 0.0
+    for i in range(child.size):
+        for k in range(i, child.size):
+            child[k] += weight[i] * triangle[i, k]
     for k in range(child.size):
-        total = 0.0
-        for i in range(k + 1):
-            total += weight[i] * triangle[i, k]
-        child[k] = mean[k] + total
+        child[k] += mean[k]
 
 
 @compiled
