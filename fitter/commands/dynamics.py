@@ -164,7 +164,7 @@ def dynamics(arguments: argparse.Namespace) -> Document:
     answer |= _free_swing(arguments, arm, learn) if arguments.no_torque else load
     if compared:
         answer["compared"] = {c.name: c.document(learn, evaluate, arguments.horizon) for c in compared}
-        say_compared(answer["compared"])
+        say_compared(arm, answer["compared"])
     reasons = unusable(fit, plain, bare, scores)
     if arguments.report is not None:
         _write_page(arguments, fit, answer, (learn, evaluate), compared, reasons)

@@ -7,6 +7,7 @@ from rich import box
 from rich.table import Table
 from rich.text import Text
 
+from arm.model import Arm
 from fitter.controller.controller import ControllerFit
 from fitter.dynamics.dynamics_fit import DynamicsFit
 from fitter.dynamics.evaluation import Score
@@ -32,7 +33,7 @@ def say_fit(
     """Print the parameters of a fit, how well it does, and what the user should know of it."""
     title = f"{fit.arm.name}: {fit.samples} samples, condition {fit.condition_number:.3g}, by {fit.objective}"
     show(parameter_table(title, fit.parameters, {c.name: c.parameters for c in compared}))
-    _say_scores({"learn": learn, "evaluate": evaluate})
+    _say_scores(fit.arm, {"learn": learn, "evaluate": evaluate})
     for sentence in (*sentences(fit.notes), *revealed.sentences()):
         say(sentence)
 
@@ -41,7 +42,7 @@ def say_controller(fit: ControllerFit, scores: Mapping[str, Score | None]) -> No
     """Print gains and parameters, what sets their scale, and whether the law is of this form at all."""
     title = f"{fit.arm.name}: {fit.samples} samples, gains of law {fit.law!r} learnt along"
     show(parameter_table(title, {**fit.gains, **fit.parameters}, {}))
-    _say_scores(scores)
+    _say_scores(fit.arm, scores)
     for sentence in (fit.fixed_by, *fit.only_together, fit.law_misfit.sentence, *sentences(fit.notes)):
         say(sentence)
 
@@ -71,23 +72,32 @@ def _with_reach(one: FittedParameter | None) -> str:
     return f"{one.value:.4g} ± {one.half_width:.2g}" if one is not None and one.identifiable else "-"
 
 
-def say_compared(compared: object) -> None:
-    """Print how well other arms do on the same trials."""
+def say_compared(arm: Arm, compared: object) -> None:
+    """Print how well other arms do on the same trials; they have the joints of ``arm``."""
     assert isinstance(compared, dict)
     for name, fields in compared.items():
         for role, title in _ROLES.items():
             torque = fields["torque_rms_N_m"][role]
             if torque is not None:
-                said = ", ".join(f"{value:.4g}" for value in torque)
-                show(f"{name}, {title}: torque rms {said} N·m a joint")
+                show(f"{name}, {title}: {_torque_rms(arm, torque)}")
 
 
-def _say_scores(scores: Mapping[str, Score | None]) -> None:
+def _say_scores(arm: Arm, scores: Mapping[str, Score | None]) -> None:
     for role, s in scores.items():
         if s is not None:
-            torque = ", ".join(f"{value:.4g}" for value in s.torque_rms_N_m)
             shares = ", ".join(map(percent, s.explained))
-            show(f"{_ROLES[role]}: torque rms {torque} N·m a joint, {shares} of the power explained; {_angles(s)}")
+            torque = _torque_rms(arm, s.torque_rms_N_m)
+            show(f"{_ROLES[role]}: {torque}, {shares} of the power explained; {_angles(s)}")
+
+
+def _torque_rms(arm: Arm, rms: Sequence[float]) -> str:
+    """Return the rms of each joint's torque, or force where it slides, with its unit."""
+    units = ["N·m" if joint.type == "revolute" else "N" for joint in arm.joints]
+    if len(set(units)) == 1:
+        what = "torque" if units[0] == "N·m" else "force"
+        return f"{what} rms {', '.join(f'{value:.4g}' for value in rms)} {units[0]} a joint"
+    each = ", ".join(f"{value:.4g} {unit}" for value, unit in zip(rms, units, strict=True))
+    return f"torque rms {each}"
 
 
 def _angles(s: Score) -> str:

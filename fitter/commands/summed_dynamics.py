@@ -90,7 +90,7 @@ def dynamics_from_sums(arguments: argparse.Namespace, arm: Arm) -> Document:
     explained["learn"] = saved.sums.explained(values).tolist()
     if compared:
         answer["compared"] = {c.name: c.document([], evaluate, arguments.horizon) for c in compared}
-        say_compared(answer["compared"])
+        say_compared(arm, answer["compared"])
     answer = with_notes(answer, (*notes, *notes_of(evaluate)))
     if reasons := next_to_nothing(explained, arm):
         raise Unusable(reasons, answer)

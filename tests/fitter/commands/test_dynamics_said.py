@@ -5,12 +5,14 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
+from arm.model import Arm, Joint
 from fitter.commands.dynamics_said import say_compared, say_controller, say_fit, say_ratios
 from fitter.dynamics.evaluation import Score
 from fitter.dynamics.free_swing import FreeSwing
 from fitter.search.fitted_parameter import FittedParameter
 from limbcal.note import Note
 
+ARM = Arm("bench", (Joint(), Joint()))
 MASS = FittedParameter(1.25, 0.1, "kg", True)
 GAPS = (Note("gap", "a gap was left out"),)
 
@@ -21,7 +23,7 @@ def said(capsys: pytest.CaptureFixture[str]) -> str:
 
 
 def fit(**fields: object) -> SimpleNamespace:
-    known = {"arm": SimpleNamespace(name="bench"), "samples": 1200, "parameters": {"m1": MASS}, "notes": GAPS}
+    known = {"arm": ARM, "samples": 1200, "parameters": {"m1": MASS}, "notes": GAPS}
     return SimpleNamespace(**known, condition_number=12.345, objective="torque", **fields)
 
 
@@ -94,5 +96,18 @@ def test_an_end_that_stiffens_is_counted_from_one(
 
 
 def test_other_arms_are_said_for_the_trials_that_there_are(capsys: pytest.CaptureFixture[str]) -> None:
-    say_compared({"cad": {"torque_rms_N_m": {"learn": [0.5, 0.25], "evaluate": None}}})
+    say_compared(ARM, {"cad": {"torque_rms_N_m": {"learn": [0.5, 0.25], "evaluate": None}}})
     assert said(capsys) == "cad, learning: torque rms 0.5, 0.25 N·m a joint"
+
+
+@pytest.mark.parametrize(
+    ("types", "words"),
+    [
+        (("prismatic", "prismatic"), "force rms 0.5, 0.25 N a joint"),
+        (("revolute", "prismatic"), "torque rms 0.5 N·m, 0.25 N"),
+    ],
+)
+def test_what_slides_has_forces(capsys: pytest.CaptureFixture[str], types: tuple[str, str], words: str) -> None:
+    arm = Arm("slide", tuple(Joint(kind) for kind in types))  # type: ignore[arg-type]
+    say_compared(arm, {"cad": {"torque_rms_N_m": {"learn": [0.5, 0.25], "evaluate": None}}})
+    assert said(capsys) == f"cad, learning: {words}"
