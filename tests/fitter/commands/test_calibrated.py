@@ -1,16 +1,44 @@
 """What a calibration from markers is made of, and what its report is given."""
 
+from collections.abc import Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
+import numpy as np
 import pytest
 
 from fitter.commands import calibrated
 from fitter.commands.calibrated import calibrated_limb, calibrated_person
+from fitter.limb.marker_errors import MarkerErrors
 from fitter.report import body_page, limb_page
+from limbcal.note import Note
 
-LEARN, EVALUATE = ("learn 1", "learn 2"), ("evaluate",)
-FIT = SimpleNamespace(notes=("a note",))
+LEARN = (SimpleNamespace(path="some/learn 1"), SimpleNamespace(path="some/learn 2"))
+EVALUATE = (SimpleNamespace(path="some/evaluate"),)
+NOTE = Note("gap", "a note")
+#: By how much markers "near" and "far" are off in a frame of each recording [m].
+OFF_M = {"some/learn 1": (0.003, 0.01), "some/learn 2": (0.004, 0.09), "some/evaluate": (0.002, 0.02)}
+
+
+def off(recordings: Sequence[SimpleNamespace], _seed: int) -> MarkerErrors:
+    distance = np.array([OFF_M[one.path] for one in recordings])
+    return MarkerErrors(distance, distance, np.arange(len(recordings)))
+
+
+FIT = SimpleNamespace(notes=(NOTE,), marker_names=("near", "far"), marker_errors=off)
+
+
+def check_scores(given: tuple[object, ...]) -> None:
+    """Check that a document is given the fit, and the errors of both kinds of recordings apart."""
+    fit, scores = given
+    assert fit is FIT and isinstance(scores, dict) and [*scores] == ["learn", "evaluate"]
+    assert [len(scores[role].distance_m) for role in scores] == [len(LEARN), len(EVALUATE)]
+
+
+def check_notes(notes: Sequence[Note]) -> None:
+    """Check that the marker that skin cannot take so far is named, with its recording, after the fit's notes."""
+    first, far = notes
+    assert first == NOTE and (far.kind, far.source, far.columns) == ("beyond_skin", "learn 2", ("far",))
 
 
 @pytest.fixture
@@ -43,8 +71,10 @@ def test_a_limb_is_fitted_to_what_it_learns_from(asked, search: str | None) -> N
     limb = ("human-arm-left", "thorax")
     found = calibrated_limb(LEARN, EVALUATE, "set", limb, "body", 7, print, search)
     assert asked["calibrate"] == (LEARN, "set", *limb, "body", 7, ("progress", print), ("search", search))
-    assert asked["document"] == (FIT, LEARN, EVALUATE, 7) and asked["calibrated_arm"] == (FIT, "body")
-    assert (found.arm, found.document, found.notes) == ("an arm", {"of": "a limb"}, ("a note",))
+    check_scores(asked["document"])
+    assert asked["calibrated_arm"] == (FIT, "body")
+    assert (found.arm, found.document) == ("an arm", {"of": "a limb"})
+    check_notes(found.notes)
     found.write_page(Path("page.html"), {"a": 1}, ["all notes"])
     assert asked["write_limb_page"] == (Path("page.html"), FIT, {"a": 1}, [*LEARN, *EVALUATE], ["all notes"])
 
@@ -52,7 +82,9 @@ def test_a_limb_is_fitted_to_what_it_learns_from(asked, search: str | None) -> N
 def test_a_person_is_fitted_to_what_it_learns_from(asked) -> None:
     found = calibrated_person(LEARN, EVALUATE, "set", "body", 7, print)
     assert asked["calibrate_body"] == (LEARN, "set", "body", 7, ("progress", print))
-    assert asked["body_document"] == (FIT, LEARN, EVALUATE, 7) and asked["calibrated_body"] == (FIT, "body")
-    assert (found.arm, found.document, found.notes) == ("a person", {"of": "a person"}, ("a note",))
+    check_scores(asked["body_document"])
+    assert asked["calibrated_body"] == (FIT, "body")
+    assert (found.arm, found.document) == ("a person", {"of": "a person"})
+    check_notes(found.notes)
     found.write_page(Path("page.html"), {"a": 1}, [])
     assert asked["write_body_page"] == (Path("page.html"), FIT, {"a": 1}, [*LEARN, *EVALUATE], [])
