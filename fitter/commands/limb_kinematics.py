@@ -85,7 +85,7 @@ def limb_kinematics(arguments: argparse.Namespace) -> Document:
     check_export(arguments.export, motions=False)
     if arguments.report is not None:
         make_room(arguments.report, (".html",))
-    # Together, for one person's recordings tell of each other which labels are right.
+    # Together: each recording of a person shows which labels of the others are right.
     recordings, notes = recordings_of([*arguments.data, *arguments.evaluate])
     if arguments.probe:
         probed = with_probed(recordings, _probings(arguments.probe), marker_set)

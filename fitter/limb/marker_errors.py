@@ -112,6 +112,6 @@ def beyond_skin(names: Sequence[str], distance_m: Floats) -> list[Note]:
     text = (
         f"{', '.join(far)}: {size} mm rms from where the calibrated person has them, farther than skin takes a "
         f"marker ({1e3 * SKIN_M:.0f} mm): labels are exchanged, a marker sits elsewhere than in other trials, or "
-        "its segment is not the marker set's; `fitter diagnose` with this arm file tells which"
+        "its segment is not the marker set's; `fitter diagnose` with this arm file shows which"
     )
     return [Note("beyond_skin", text, columns=far)]

@@ -1,6 +1,6 @@
 """Markers that leap onto each other's places from one frame to the next: their labels were exchanged there.
 
-Such leaps part a recording into runs. Which of them have the labels right, distances to other markers tell: as the
+Such leaps part a recording into runs. Which of them have the labels right, distances to other markers show: as the
 pair's are in the longest run, or in other recordings of the person. Unlike distances over a whole recording, which
 an exchange of half of it changes as much as it is changed by them, those of a run have no exchange in them.
 """
@@ -18,9 +18,11 @@ from protocol.markers.swaps import SHORTEST_S
 
 #: A marker is on the other's place if that is nearer than this part of its leap.
 _NEARER = 0.5
-#: Distances from another marker tell two apart if they differ by this much [m], skin's share, and by this multiple
-#: of what they change within a run; one such marker is not enough: a distance leaves a sphere of places.
-_TELLS_M, _TIMES, _ENOUGH = 0.015, 3.0, 2
+#: Distances of two markers from a third are distinct if they differ by this much [m], what skin changes them by,
+#: and by this multiple of what they change within a run; a single third marker is not enough: it leaves a sphere.
+_DISTINCT_M, _TIMES, _ENOUGH = 0.015, 3.0, 2
+#: A distance is a reference's if it differs from it by no more than this many times as much.
+_FITS = 2.0
 #: Frames of a run that its distances are taken from.
 _FRAMES = 400
 
@@ -37,7 +39,7 @@ def uncrossed(
     ----------
     recording : MarkerRecording
     others : sequence of MarkerRecording
-        Of the same person. They tell which part has the labels right; without them it is the longer one.
+        Of the same person. They decide which part has the labels right; without them it is the longer one.
 
     Returns
     -------
@@ -47,7 +49,7 @@ def uncrossed(
     positions, notes = recording.positions.copy(), list[Note]()
     exchanged = np.zeros(positions.shape[:2], dtype=np.bool_)
     for (i, j), frames in _crossings(recording).items():
-        mask, is_told = _exchanged(recording, others, (i, j), frames)
+        mask, is_decided = _exchanged(recording, others, (i, j), frames)
         for first, last in runs(mask):
             mask[first:last] &= last - first >= SHORTEST_S * recording.rate_hz  # a glimpse is not enough
         frame = np.flatnonzero(mask)[:, None]
@@ -61,7 +63,9 @@ def uncrossed(
                 "leap onto each other's places: exchanged again"
             )
             text += (
-                "" if is_told else "; which part is right no other recording tells, the longer one is taken for it"
+                ""
+                if is_decided
+                else "; no other recording shows which part is right, the longer one is taken for it"
             )
             notes.append(Note("swapped", text, "", (one, other), None, begin, end))
     return notes, positions, exchanged
@@ -86,7 +90,7 @@ def _crossings(recording: MarkerRecording) -> dict[tuple[int, int], list[int]]:
 def _exchanged(
     recording: MarkerRecording, others: Sequence[MarkerRecording], pair: tuple[int, int], frames: list[int]
 ) -> tuple[np.ndarray, bool]:
-    """Return in which frames two markers have each other's labels, and whether other recordings tell."""
+    """Return in which frames two markers have each other's labels, and whether other recordings decide it."""
     seen: np.ndarray = ~np.any(recording.missing[:, list(pair)], axis=1)
     starts = np.zeros(len(seen), dtype=np.bool_)
     starts[frames] = True
@@ -99,9 +103,9 @@ def _exchanged(
     names = [recording.names[k] for k in pair]
     votes = [_crossed(own, _like(other, recording, pair)) for other in others if set(names) <= set(other.names)]
     by_others = float(np.sum(np.sign(votes)))
-    is_told = by_others != 0.0
-    is_other_way = by_others > 0.0 if is_told else 2 * mask.sum() > seen.sum()
-    return ~mask & seen if is_other_way else mask, is_told
+    is_decided = by_others != 0.0
+    is_other_way = by_others > 0.0 if is_decided else 2 * mask.sum() > seen.sum()
+    return ~mask & seen if is_other_way else mask, is_decided
 
 
 def _cut(run: tuple[int, int], starts: np.ndarray) -> list[tuple[int, int]]:
@@ -138,17 +142,17 @@ def _like(other: MarkerRecording, recording: MarkerRecording, pair: tuple[int, i
 def _crossed(reference: Pair, pair: Pair) -> float:
     """Return by how much two markers' distances are like each other's in a reference rather than their own [m].
 
-    The median over the markers that tell the two apart and fit one way or the other, as those of other segments do
+    The median over the markers at distinct distances that fit one way or the other, as those of other segments do
     not after another motion; zero where they are too few.
     """
     (middle, change), (here, change_here) = reference, pair
     apart = np.abs(middle[0] - middle[1])
     unsteady = np.maximum(change.max(axis=0), change_here.max(axis=0))
-    tells = (apart > _TELLS_M) & (apart > _TIMES * unsteady) & np.isfinite(here).all(axis=0)
-    if tells.sum() < _ENOUGH:
+    distinct = (apart > _DISTINCT_M) & (apart > _TIMES * unsteady) & np.isfinite(here).all(axis=0)
+    if distinct.sum() < _ENOUGH:
         return 0.0
-    straight, across = (np.abs(here - one)[:, tells].sum(axis=0) for one in (middle, middle[::-1]))
-    fit = np.minimum(straight, across) < 2.0 * _TELLS_M
+    straight, across = (np.abs(here - one)[:, distinct].sum(axis=0) for one in (middle, middle[::-1]))
+    fit = np.minimum(straight, across) < _FITS * _DISTINCT_M
     if fit.sum() < _ENOUGH:
         return 0.0
     return float(np.median((straight - across)[fit]))

@@ -1,4 +1,4 @@
-"""Labels exchanged at a leap are exchanged again, however long they were; which part is right others tell."""
+"""Labels exchanged at a leap are exchanged again; other recordings decide which part has the right ones."""
 
 from dataclasses import replace
 
@@ -15,7 +15,7 @@ SITS = np.array([[0.1, 0.0, 0.0], [-0.1, 0.0, 0.0], [0.0, 0.12, 0.0], [0.09, -0.
 
 
 def a_thigh_and_shank(seed=0):
-    """Return a thigh's five markers, and three of a shank that hardly moves against it and tells nothing."""
+    """Return a thigh's five markers, and three of a shank that hardly moves against it and shows nothing."""
     raw = walking(seed=seed)
     rng = np.random.default_rng(seed)
     t = np.arange(len(raw.points)) / RATE_HZ
