@@ -14,6 +14,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trial import Trial, undriven
 from fitter.data.trial_filter import FIT_CORNER
+from fitter.diagnosis.accepted_pulses import with_pulses
 from fitter.diagnosis.conclusion import concluded, finding_of
 from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.error_floor import regression_of
@@ -22,7 +23,6 @@ from fitter.diagnosis.given_effects import acting_arm, as_in_file, given_model
 from fitter.diagnosis.held_out import judged_sets
 from fitter.diagnosis.hypotheses import hypotheses, reaches_of
 from fitter.diagnosis.least_squares import CLEAR_RATIO, MOST_CAUSES
-from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.polish import polished
@@ -162,7 +162,7 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
         likelihood, search, found = _found(equations, motions, say)
     base_floor = likelihood.base_floor
     if not likelihood.is_exact(found.final, everywhere=True):
-        found = _with_pushes(likelihood, search, found)
+        found = with_pulses(likelihood, search, found)
     regression, model = likelihood.regression, found.final.candidate.model
     base = fitted(regression, Model())
     final = fitted(regression, model) if model.hypotheses else base
@@ -178,28 +178,6 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
         from_all,
         likelihood.in_vain,
     )
-
-
-def _with_pushes(likelihood: TorqueLikelihood, search: Stepwise, found: Found) -> Found:
-    """Return what a search has found with the pushes that its model misses, as far as these are causes.
-
-    The least evident of them go until the others are accepted as any cause is.
-    """
-    final = found.final
-    pushes = missed_pulses(
-        likelihood.regression,
-        final.candidate,
-        lambda: [(one.candidate, cost) for one, cost in search.possible(final)],
-    )
-    tried = list(pushes)
-    while tried:
-        more = fitted_with_pulses(likelihood.regression, final.candidate, tried)
-        if accepted := search.extended(found, likelihood.fit_of(more)):
-            return accepted
-        tried.remove(min(tried, key=lambda one: one.evidence))
-    if pushes:  # the weights are those of what was not accepted
-        found = replace(found, final=likelihood.reweighted(final))
-    return found
 
 
 def _found(

@@ -76,6 +76,10 @@ class DisturbancePulses(Hypothesis):
         """Return the logarithm of the number of samples at which each may begin."""
         return float(len(self.found) * np.log(sum(len(motion.t) for motion in motions)))
 
+    def acts_in(self, motion: Motion) -> bool:
+        """Say whether one of them was found there."""
+        return any(one.start_s < motion.t[-1] and one.ends_s > motion.t[0] for one in self.found)
+
     def _places(self, psi: Floats) -> Floats:
         """Return start and duration of each push, (n_pulse, 2) [s]."""
         moved = np.ones(self._seen.shape)

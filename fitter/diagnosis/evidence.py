@@ -52,6 +52,8 @@ class Fit:
         Where in its motion a joint is (`motion_cells`).
     density : (n_block,)
         Logarithm of the density of what was measured, but for the residual [nats].
+    acts : (n_hypothesis, n_trial) of bool
+        Whether each hypothesis of its model acts in a trial.
     """
 
     candidate: Candidate
@@ -62,6 +64,7 @@ class Fit:
     learnt: NDArray[np.bool_]
     cell: NDArray[np.intp]
     density: Floats
+    acts: NDArray[np.bool_]
 
     @cached_property
     def row_trial(self) -> NDArray[np.intp]:
@@ -95,8 +98,15 @@ class Fit:
         return float((self.log_likelihood - other.log_likelihood).sum())
 
     def helps(self, other: "Fit") -> bool:
-        """Say whether trials that were not learnt from, if any, are likelier than under another model."""
-        return self.held_out(other) > 0.0
+        """Say whether trials that were not learnt from, if any, are likelier than under a smaller model.
+
+        Where nothing of what was added acts in them, as a push in another trial, they hardly change, either way by
+        chance: then they must not contradict it.
+        """
+        known = {id(one) for one in other.candidate.model.hypotheses}
+        added = [id(one) not in known for one in self.candidate.model.hypotheses]
+        is_predicted = np.any(self.acts[added][:, np.unique(self.trial[~self.learnt])])
+        return self.held_out(other) > (0.0 if is_predicted else -EQUAL_SIGMAS)
 
     def held_out(self, other: "Fit") -> float:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""

@@ -158,6 +158,10 @@ class Hypothesis(ABC):
         """Say which of its numbers (n_number,) are known, by their standard errors; NaN is no error."""
         return np.isfinite(std)
 
+    def acts_in(self, motion: Motion) -> bool:
+        """Say whether it acts in a motion at all."""
+        return True
+
     def part_of(self, motion: Motion) -> object:
         """Return when it acts in a motion, in terms that compare equal where it does so alike."""
         return None

@@ -159,6 +159,11 @@ class Stepwise:
         accepted = self._accepted(fit, list(found.steps), more)
         return None if accepted is None else replace(found, final=accepted[0], steps=tuple(accepted[1]))
 
+    def outweighs(self, fit: Fit, smaller: Fit) -> bool:
+        """Say whether what a model has more than a smaller one has the evidence of a cause."""
+        more, fewer = (sum(map(self._against, one.candidate.model.hypotheses)) for one in (fit, smaller))
+        return log_evidence(fit, smaller, more - fewer) >= ODDS_NATS
+
     def possible(self, fit: Fit) -> list[tuple[Fit, float]]:
         """Return a model with one hypothesis more, for all that are not a hundred times less likely than it.
 
@@ -275,10 +280,10 @@ class Stepwise:
         """Return a model without the causes that trials not learnt from contradict, now that all are in."""
         while steps:
             smaller = [self._likelihood.without(fit, place) for place in range(len(steps))]
-            sigmas = [fit.held_out(one) for one in smaller]
-            weakest = min(range(len(steps)), key=lambda place: sigmas[place])
-            if sigmas[weakest] > 0.0:
+            contradicted = [place for place in range(len(steps)) if not fit.helps(smaller[place])]
+            if not contradicted:
                 break
+            weakest = min(contradicted, key=lambda place: fit.held_out(smaller[place]))
             fit = self._likelihood.reweighted(smaller[weakest])
             steps = [one for k, one in enumerate(steps) if k != weakest]
         return fit, steps

@@ -216,6 +216,10 @@ class TorqueLikelihood:
             np.array(learnt),
             np.concatenate(cell),
             np.array(density),
+            np.array(
+                [[one.acts_in(motion) for motion in regression.motions] for one in candidate.model.hypotheses],
+                dtype=np.bool_,
+            ).reshape(-1, len(regression.motions)),
         )
 
     def _by_torque(self, candidate: Candidate) -> Candidate:

@@ -18,13 +18,15 @@ from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from arm.model import Floats
-from fitter.diagnosis.torque.kalman import Filter, gains, innovations
+from fitter.diagnosis.torque.kalman import Filter, gains, weighted_innovations
 from limbcal.compiled import compiled
 
 #: What lasts longer is no pulse but a bias or a load [s]. Errors in proportion to a signal do: they imitate none.
 LONGEST_PULSE_S = 1.0
 #: Numbers of a background that no signal adds.
 _N_SINGLE = 8
+#: States that are the angle's noise, the last ones.
+_N_ANGLE = 3
 
 
 @dataclass(frozen=True)
@@ -121,17 +123,18 @@ class Background:
         return cls(std, time_constant_s, *ringings, in_proportion, proportion_s, white, angle, nu)
 
     def filtered(self, rows: Rows) -> Filter:
-        """Return the Kalman filter of a trial: its gains do not depend on the residual."""
+        """Return the filter of a trial whose rows have no outliers: its gains do not depend on the residual."""
         noises = rows.step_s, rows.torque_noise, rows.angle_noise
         F, P, Q, C, white = _state_space(self.numbers, rows.signals, *noises)
         variance = white + rows.friction_error**2
-        gain, S = gains(F, Q, P, C, variance, rows.known)
-        return Filter(F, Q, P, C, variance, gain, S, rows.known)
+        return Filter(
+            F, Q, P, C, variance, *gains(F, Q, P, C, variance, rows.known, len(F) - _N_ANGLE), rows.known
+        )
 
     def mean_log_density(self, rows: Rows, block_s: float) -> Floats:
         """Return the mean log density of a row, in each row's block of some length, (n,); NaN if none is known."""
         kalman, nu = self.filtered(rows), self.degrees_of_freedom
-        e = kalman.innovations(rows.r)
+        e = kalman.weighted(rows.r, nu).innovations(rows.r)
         density = -0.5 * (nu + 1.0) * np.log1p(e**2 / nu) - 0.5 * np.log(kalman.S)
         block = np.arange(len(e)) // max(1, round(block_s / rows.step_s))
         known = np.bincount(block, rows.known)
@@ -183,10 +186,9 @@ def _log_density(
 ) -> float:
     """Return the logarithm of Student's density of a trial's innovations, but for its constant."""
     F, P, Q, C, white = _state_space(numbers, signals, h, torque_noise, angle_noise)
-    gain, S = gains(F, Q, P, C, white + friction_error**2, known)
-    e = np.zeros(len(r))
-    innovations(F, C, gain, S, known, r, 0, e)
-    total, nu = 0.0, numbers[7]
+    gain, S, new_gain, new_ratio = gains(F, Q, P, C, white + friction_error**2, known, len(F) - _N_ANGLE)
+    e, total, nu = np.zeros(len(r)), 0.0, numbers[7]
+    weighted_innovations(F, C, gain, new_gain, new_ratio, S, known, r, nu, e, np.empty_like(gain))
     for k in range(len(r)):
         if known[k]:
             total -= 0.5 * (nu + 1.0) * np.log(1.0 + e[k] ** 2 / nu) + 0.5 * np.log(S[k])
@@ -260,8 +262,9 @@ def estimated(
         return np.asarray(np.clip(np.log(start), low, high))
 
     # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
-    frequencies = np.exp(np.arange(ringing[0], ringing[1], np.log(2.0))) if near is None else [near.ringing_rad_s]
-    begin = min(map(begun, frequencies), key=loss)
+    n_octave = int(np.ceil((ringing[1] - ringing[0]) / np.log(2.0)))
+    octaves = np.exp(np.linspace(*ringing, n_octave + 1)) if near is None else [near.ringing_rad_s]
+    begin = min(map(begun, octaves), key=loss)
     box = scipy.optimize.Bounds(low, high)
     best = scipy.optimize.minimize(loss, begin, method="L-BFGS-B", bounds=box, options={"ftol": tolerance})
     return Background.of(units * np.exp(best.x))

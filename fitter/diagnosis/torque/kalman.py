@@ -1,6 +1,11 @@
-"""A Kalman filter in compiled loops: gains once a trial, innovations of any column."""
+"""A Kalman filter for Student's noise, in compiled loops: gains once a trial, innovations of any column.
 
-from dataclasses import dataclass
+The torque that is new in a row, process noise and white noise, has the variance that the model gives it, divided
+by a number lambda that goes to zero for an outlier. So an outlier is what is new there, and moves what was known
+of the states before as little as it has weight (mathematics.md, "The missing torque over time").
+"""
+
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,7 +16,7 @@ from limbcal.compiled import compiled
 
 @dataclass(frozen=True)
 class Filter:
-    """A Kalman filter whose gains do not depend on what is measured.
+    """A Kalman filter whose gains are those of rows without outliers, or of rows weighted as in one residual.
 
     Attributes
     ----------
@@ -22,6 +27,8 @@ class Filter:
         Of the white noise [N^2 m^2].
     gain, S : (n, d), (n,)
         Gains and the innovations' variances.
+    new_gain, new_ratio : (n, d), (n,)
+        Of the torque that is new in each row: covariance with the states, and variance, both in units of S.
     known : (n,) of bool
     """
 
@@ -32,7 +39,25 @@ class Filter:
     variance: Floats
     gain: Floats
     S: Floats
+    new_gain: Floats
+    new_ratio: Floats
     known: NDArray[np.bool_]
+
+    def weighted(self, r: Floats, nu: float) -> "Filter":
+        """Return the filter with the gains that the rows of a residual have, by their weights.
+
+        It is linear: innovations of a residual and a column together are the sum of either's.
+
+        Parameters
+        ----------
+        r : (n,) [N m]
+        nu : float
+            Degrees of freedom of Student's distribution.
+        """
+        gain, e = np.empty_like(self.gain), np.zeros(len(r))
+        new = self.gain, self.new_gain, self.new_ratio, self.S
+        weighted_innovations(self.F, self.C, *new, self.known, r, nu, e, gain)
+        return replace(self, gain=gain)
 
     def innovations(self, r: Floats, first: int = 0) -> Floats:
         """Return the standardised innovations of a residual, or of a column that is zero before its first row.
@@ -44,8 +69,12 @@ class Filter:
         first : int
         """
         out = np.zeros(len(r))
-        innovations(self.F, self.C, self.gain, self.S, self.known, r, first, out)
+        innovations(self.F, self.C, self.gain, self.S, self.known, r, first, np.zeros(self.C.shape[1]), out)
         return out
+
+    def predicted(self, r: Floats) -> Floats:
+        """Return the states that are expected before each row of a residual, (n, d)."""
+        return np.asarray(_predicted(self.F, self.C, self.gain, self.known, r))
 
 
 @compiled
@@ -60,13 +89,16 @@ def _carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
 
 @compiled
 def gains(
-    F: Floats, Q: Floats, P: Floats, C: Floats, variance: Floats, known: NDArray[np.bool_]
-) -> tuple[Floats, Floats]:
-    """Return the gains and the innovations' variances; a row that is not known has gain 0 and variance 1."""
+    F: Floats, Q: Floats, P: Floats, C: Floats, variance: Floats, known: NDArray[np.bool_], n_torque: int
+) -> tuple[Floats, Floats, Floats, Floats]:
+    """Return `Filter`'s gain, S, new_gain and new_ratio; a row that is not known has gains 0 and variance 1.
+
+    The first ``n_torque`` states are torques, or in proportion to one.
+    """
     n, d = C.shape
-    gain, S = np.zeros((n, d)), np.ones(n)
+    gain, S, new_gain, new_ratio = np.zeros((n, d)), np.ones(n), np.zeros((n, d)), np.ones(n)
     P, turned, p = P.copy(), np.zeros((d, d)), np.zeros(d)
-    at = np.argwhere(F != 0.0)
+    at, fresh = np.argwhere(F != 0.0), np.argwhere(Q[:n_torque, :n_torque] != 0.0)
     for k in range(n):
         if known[k]:
             S[k] = variance[k]
@@ -80,32 +112,102 @@ def gains(
                 gain[k, i] = p[i] / S[k]
                 for j in range(d):
                     P[i, j] -= gain[k, i] * p[j]
+            new_ratio[k] = variance[k] / S[k]
+            for n_q in range(len(fresh)):
+                i, j = fresh[n_q]
+                new_gain[k, i] += Q[i, j] * C[k, j] / S[k]
+                new_ratio[k] += C[k, i] * Q[i, j] * C[k, j] / S[k]
         _carried(F, at, P, turned)
         _carried(F, at, turned, P)
         P += Q
-    return gain, S
+    return gain, S, new_gain, new_ratio
 
 
 @compiled
 def innovations(
-    F: Floats, C: Floats, gain: Floats, S: Floats, known: NDArray[np.bool_], r: Floats, first: int, out: Floats
+    F: Floats,
+    C: Floats,
+    gain: Floats,
+    S: Floats,
+    known: NDArray[np.bool_],
+    r: Floats,
+    first: int,
+    state: Floats,
+    out: Floats,
 ) -> None:
-    """Put the standardised innovations of a column into an array like it: r[0] is in the row `first`."""
-    d = C.shape[1]
-    x, y = np.zeros(d), np.zeros(d)
+    """Put the standardised innovations of a column into an array like it: r[0] is in the row `first`.
+
+    Before it a state is expected.
+    """
+    x, y = state.copy(), np.zeros(C.shape[1])
     at = np.argwhere(F != 0.0)
     for row in range(len(r)):
         k = first + row
         out[row] = 0.0
         if known[k]:
-            e = r[row]
-            for i in range(d):
-                e -= C[k, i] * x[i]
+            e = _innovation(C[k], x, r[row])
             out[row] = e / np.sqrt(S[k])
-            for i in range(d):
+            for i in range(len(x)):
                 x[i] += gain[k, i] * e
-        y[:] = 0.0
-        for n in range(len(at)):
-            i, j = at[n]
-            y[i] += F[i, j] * x[j]
-        x[:] = y
+        _step(F, at, x, y)
+
+
+@compiled
+def _predicted(F: Floats, C: Floats, gain: Floats, known: NDArray[np.bool_], r: Floats) -> Floats:
+    n, d = C.shape
+    states, x, y = np.zeros((n, d)), np.zeros(d), np.zeros(d)
+    at = np.argwhere(F != 0.0)
+    for k in range(n):
+        states[k] = x
+        if known[k]:
+            x += gain[k] * _innovation(C[k], x, r[k])
+        _step(F, at, x, y)
+    return states
+
+
+@compiled
+def weighted_innovations(
+    F: Floats,
+    C: Floats,
+    gain: Floats,
+    new_gain: Floats,
+    new_ratio: Floats,
+    S: Floats,
+    known: NDArray[np.bool_],
+    r: Floats,
+    nu: float,
+    out: Floats,
+    weighted: Floats,
+) -> None:
+    """Put a residual's standardised innovations, and the gains of its rows, eq. (m.1b), into arrays like them."""
+    x, y = np.zeros(C.shape[1]), np.zeros(C.shape[1])
+    at = np.argwhere(F != 0.0)
+    for k in range(len(r)):
+        out[k] = 0.0
+        weighted[k] = 0.0
+        if known[k]:
+            e = _innovation(C[k], x, r[k])
+            out[k] = e / np.sqrt(S[k])
+            weight = nu / (nu + out[k] ** 2)  # lambda
+            variance = weight + (1.0 - weight) * new_ratio[k]
+            for i in range(len(x)):
+                weighted[k, i] = (weight * gain[k, i] + (1.0 - weight) * new_gain[k, i]) / variance
+                x[i] += weighted[k, i] * e
+        _step(F, at, x, y)
+
+
+@compiled
+def _innovation(C: Floats, x: Floats, r: float) -> float:
+    for i in range(len(x)):
+        r -= C[i] * x[i]
+    return r
+
+
+@compiled
+def _step(F: Floats, at: NDArray[np.int64], x: Floats, y: Floats) -> None:
+    """Replace a state by ``F x``; F is not zero at (row, column) only, y is room for it."""
+    y[:] = 0.0
+    for n in range(len(at)):
+        i, j = at[n]
+        y[i] += F[i, j] * x[j]
+    x[:] = y

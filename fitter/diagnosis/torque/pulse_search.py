@@ -7,7 +7,7 @@ import scipy
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, SETTLED, TINY
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED, TINY
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import DURATION_RATIO, FORMS, Pulse, Shapes, either, in_rows, seen, unseen_s
@@ -24,22 +24,24 @@ class Search:
         #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
         self.remaining_evidence = np.full(self.fit.shape, -np.inf)
 
-    def evidence(self, e: Floats, places: NDArray[np.bool_]) -> Floats:
+    def evidence(self, r: Floats, places: NDArray[np.bool_]) -> Floats:
         """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats].
 
-        It is asked for at some places, (n_shape, n), and nothing at the others.
+        It is asked for at some places, (n_shape, n), and nothing at the others. A pulse makes no row an outlier;
+        before it, and where there is none, rows have the weights of the residual.
         """
-        k, s = self.kalman, self.shapes
+        k, weighted, s = self.kalman, self.kalman.weighted(r, self.nu), self.shapes
+        before = weighted.innovations(r), weighted.predicted(r)
         pulses = s.values, s.before, s.length, places
-        return np.asarray(_evidence(e, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
+        return np.asarray(_evidence(r, *before, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
 
     def found(self, least: float) -> Iterator[Pulse]:
         """Yield the pulses whose evidence exceeds the least, the most evident first.
 
         What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
         """
-        e = self.kalman.innovations(self.rows.r)
-        at_places = self.evidence(e, self.fit)
+        r = self.rows.r
+        at_places = self.evidence(r, self.fit)
         while self.fit.any():
             shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
@@ -47,16 +49,18 @@ class Search:
                 self.remaining_evidence = at_places
                 return
             place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
-            pulse = either([self._refined(e, *place, form, evidence) for form in FORMS])
-            if self._exceeds_friction(pulse):
+            pulse = either([self._refined(r, *place, form, evidence) for form in FORMS])
+            if pulse.evidence >= least and self._exceeds_friction(pulse):
                 yield pulse
             self.fit &= ~self._overlapping(pulse)
-            column = in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
-            change = self.kalman.innovations(pulse.torque_N_m * column)
-            e = e - change
+            before = self._innovations(r)
+            r = r - pulse.torque_N_m * in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             # The filter forgets: far from the pulse nothing has changed.
-            anew = self.fit & self.shapes.feel(np.abs(change) > SETTLED)
-            at_places = np.where(anew, self.evidence(e, anew), np.where(self.fit, at_places, -np.inf))
+            anew = self.fit & self.shapes.feel(np.abs(self._innovations(r) - before) > SETTLED)
+            at_places = np.where(anew, self.evidence(r, anew), np.where(self.fit, at_places, -np.inf))
+
+    def _innovations(self, r: Floats) -> Floats:
+        return self.kalman.weighted(r, self.nu).innovations(r)
 
     def evidence_by_block(self) -> Floats:
         """Return the evidence in blocks of a longest pulse's length where none was found, (n_block,) [nats]."""
@@ -83,42 +87,73 @@ class Search:
             (end > pulse.start_s - slope) & (begin < pulse.start_s + pulse.duration_s + slope), dtype=np.bool_
         )
 
-    def _refined(self, e: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
-        """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information."""
-        h = self.rows.step_s
+    def _refined(self, r: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
+        """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information.
 
-        def at(place: Floats) -> tuple[float, float]:
-            start, lasting = start_s + duration_s * place[0], duration_s * np.exp(place[1])
-            first, column = seen(self.rows, start, lasting, form)
-            return _ratio(e[first : first + len(column)], self.kalman.innovations(column, first), self.nu)[:2]
-
-        steps = [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]]
-        low, high = np.log([h / duration_s, LONGEST_PULSE_S / duration_s])
-        bounds = scipy.optimize.Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)])
-        options = {"initial_simplex": steps, "xatol": NEGLIGIBLE, "fatol": NEGLIGIBLE}
-
-        def loss(place: Floats) -> float:
-            return -at(place)[0]
-
-        best = scipy.optimize.minimize(loss, np.zeros(2), method="Nelder-Mead", bounds=bounds, options=options)  # type: ignore[call-overload]
-        ratio, size = at(best.x)
-        start, lasting = start_s + duration_s * float(best.x[0]), duration_s * float(np.exp(best.x[1]))
-        covariance, places = self._errors(start, lasting, form, size)
-        before, after = (unseen_s(self.rows, at, way) for at, way in ((start, -1), (start + lasting, 1)))
+        Rows have the weights that they have without the pulse.
+        """
+        kalman = self.kalman
+        for _ in range(2):
+            start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
+            remaining = r - size * in_rows(self.rows, start_s, duration_s, form)
+            kalman = self.kalman.weighted(remaining, self.nu)
+        ratio = _log_ratio(kalman.innovations(remaining), self._innovations(r), self.nu)
+        covariance, places = self._errors(kalman, start_s, duration_s, form, size)
+        before, after = (unseen_s(self.rows, at, way) for at, way in ((start_s, -1), (start_s + duration_s, 1)))
         covariance[0, 0] += before**2 / 12.0  # uniform where nothing is known
         covariance[1, 1] += (before**2 + after**2) / 12.0
-        slope = np.array([0.0, size, lasting])  # of the impulse
+        slope = np.array([0.0, size, duration_s])  # of the impulse
         impulse_std = float(np.sqrt(slope @ covariance @ slope))
         start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))
         errors = start_std, duration_std, torque_std, impulse_std
         laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
         # Places on the grid and between its points are equally likely beforehand: the mean of both evidences.
         mean = float(np.logaddexp(evidence, laplace) - np.log(2.0))
-        found = start, lasting, size, *errors
+        found = start_s, duration_s, size, *errors
         return Pulse(self.trial, self.joint, *found, form, ratio, mean, (before, after))
 
+    def _likeliest(
+        self, r: Floats, kalman: Filter, near: tuple[float, float], form: str
+    ) -> tuple[float, float, float]:
+        """Return start, duration and size of a pulse near a place.
+
+        A large pulse is many standard deviations off wherever its place is not exact, and Student's likelihood has
+        maxima elsewhere. So it is sought with the noise as large as what is off there first (graduated
+        non-convexity: Blake and Zisserman 1987), and from either place with the noise as it is.
+        """
+        e = kalman.innovations(r)
+
+        def placed(place: tuple[float, float], x: Floats) -> tuple[float, float]:
+            return place[0] + place[1] * float(x[0]), place[1] * float(np.exp(x[1]))
+
+        def at(place: tuple[float, float], noise: float) -> tuple[float, float, float]:
+            first, column = seen(self.rows, *place, form)
+            own, s = e[first : first + len(column)] / noise, kalman.innovations(column, first) / noise
+            ratio, size, _ = _ratio(own, s, self.nu)
+            return ratio, size, float(np.sqrt(np.mean((own - size * s) ** 2)))
+
+        def sought(near: tuple[float, float], noise: float) -> tuple[float, float]:
+            low, high = np.log([self.rows.step_s / near[1], LONGEST_PULSE_S / near[1]])
+            best = scipy.optimize.minimize(  # type: ignore[call-overload]
+                lambda x: -at(placed(near, x), noise)[0],
+                np.zeros(2),
+                method="Nelder-Mead",
+                bounds=scipy.optimize.Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)]),
+                options={
+                    "initial_simplex": [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]],
+                    "xatol": NEGLIGIBLE,
+                    "fatol": NEGLIGIBLE,
+                },
+            )
+            return placed(near, best.x)
+
+        missed = at(near, 1.0)[2]
+        begun = [near, sought(near, missed)] if missed > EQUAL_SIGMAS else [near]
+        place = max((sought(one, 1.0) for one in begun), key=lambda one: at(one, 1.0)[0])
+        return *place, at(place, 1.0)[1]
+
     def _errors(
-        self, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05
+        self, kalman: Filter, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05
     ) -> tuple[Floats, float]:
         """Return the covariance of start, duration and size, (3, 3), and the logarithm of the likelihood's volume.
 
@@ -134,7 +169,7 @@ class Search:
             size * (moved[3] - moved[2]) / (2.0 * step),
             in_rows(rows, start_s, duration_s, form),
         ]
-        J = np.stack([self.kalman.innovations(column) for column in columns], axis=1)
+        J = np.stack([kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
         # Where an end is unobserved, it is uniform within the longest duration.
         information += np.diag([12.0 / LONGEST_PULSE_S**2, 12.0 / LONGEST_PULSE_S**2, TINY])
@@ -143,9 +178,16 @@ class Search:
         return np.asarray(np.linalg.inv(information)), float(volume)
 
 
+def _log_ratio(e: Floats, other: Floats, nu: float) -> float:
+    """Return by how much Student's log density of some innovations is more than that of others."""
+    return 0.5 * (nu + 1.0) * float(np.sum(np.log((nu + other**2) / (nu + e**2))))
+
+
 @compiled
 def _evidence(
+    r: Floats,
     e: Floats,
+    states: Floats,
     F: Floats,
     C: Floats,
     gain: Floats,
@@ -158,19 +200,30 @@ def _evidence(
     nu: float,
     size: float,
 ) -> Floats:
-    """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2)."""
+    """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2).
+
+    Parameters
+    ----------
+    r, e : (n,)
+        Residual, and its innovations without any pulse.
+    states : (n, d)
+        Expected before each row.
+    """
     n_shape, n = fit.shape
     evidence = np.full((n_shape, n), -np.inf)
-    template = np.zeros(shapes.shape[1])
+    template, own, nothing = np.zeros(shapes.shape[1]), np.zeros(shapes.shape[1]), np.zeros(len(F))
     for i in range(n_shape):
         for k in range(n):
             if not fit[i, k]:
                 continue
             first, last = max(0, k - before[i]), min(n, k - before[i] + length[i])
             cut = first - (k - before[i])
-            s = template[: last - first]
-            innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, s)
-            ratio, c, information = _ratio(e[first:last], s, nu)
+            s, beside = template[: last - first], own[: last - first]
+            innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, nothing, s)
+            innovations(F, C, gain, S, known, r[first:last], first, states[first], beside)
+            ratio, c, information = _ratio(beside, s, nu)
+            for k_row in range(last - first):
+                ratio += 0.5 * (nu + 1.0) * np.log((nu + e[first + k_row] ** 2) / (nu + beside[k_row] ** 2))
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
             evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
     return evidence

@@ -29,4 +29,5 @@ def fit_of(residual: Floats, numbers: int = 0, learnt: int | None = None) -> Fit
     block = np.arange(len(residual)) // ROWS
     count = ROWS * np.bincount(trial)[:, None].astype(np.float64)
     cell = (np.arange(len(residual)) % CELLS)[:, None]
-    return Fit(candidate, residual[:, None], count, block, trial, may, cell, np.zeros(n_block))
+    acts = np.ones((numbers, trial[-1] + 1), dtype=np.bool_)
+    return Fit(candidate, residual[:, None], count, block, trial, may, cell, np.zeros(n_block), acts)

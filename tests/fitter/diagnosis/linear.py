@@ -84,7 +84,8 @@ class LinearLikelihood:
         count = ROWS * np.bincount(self.trial)[:, None].astype(np.float64)
         # All is noise: nothing systematic is lacking that no scatter shows.
         cell = (np.arange(len(left)) % N_CELL)[:, None]
-        return Fit(candidate, left, count, self.block, self.trial, learnt, cell, nothing)
+        acts = np.ones((len(hypotheses), self.trial[-1] + 1), dtype=np.bool_)
+        return Fit(candidate, left, count, self.block, self.trial, learnt, cell, nothing, acts)
 
     def base(self) -> Fit:
         """Return the model without any column."""

@@ -1,6 +1,7 @@
 """Residuals with a background that is known, and pulses hidden in it."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -33,6 +34,14 @@ def trial(rng: np.random.Generator, pulses: Sequence[tuple[float, float, float, 
     known = np.ones((len(t), 1), dtype=bool)
     noise = np.array([0.005]), np.array([0.0])
     return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise, *np.zeros((2, len(t), 1)))
+
+
+def finer(part: ResidualTorque, parts: int = 8) -> ResidualTorque:
+    """Return a residual with some samples a row, each as the row."""
+    step_s = STEP_S / parts
+    t = (np.arange(parts * len(part.t)) - 0.5 * (parts - 1)) * step_s
+    rows = ("r", "known", "torque", "friction", "turning")
+    return replace(part, t=t, **{name: np.repeat(getattr(part, name), parts, axis=0) for name in rows})
 
 
 def filtered_pulse(start_s: float, duration_s: float, size: float, form: str, parts: int = 8) -> Floats:

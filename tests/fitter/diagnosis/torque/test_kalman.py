@@ -12,7 +12,7 @@ def random_walk() -> Filter:
     F, Q, P, C, known = np.eye(1), np.eye(1), np.eye(1), np.ones((N, 1)), np.ones(N, dtype=bool)
     known[7] = False
     variance = np.full(N, 2.0)
-    return Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known), known)
+    return Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 1), known)
 
 
 def test_the_gain_of_a_random_walk_is_that_of_the_riccati_equation():

@@ -80,5 +80,5 @@ def test_evidence_is_made_anew_wherever_a_pulse_was_felt():
     one = search([(2.0, 0.2, 0.4, "rectangular"), (6.0, 0.3, -0.8, "rectangular")])
     pulses = [replace(pulse, trial=0) for pulse in one.found(LEAST_NATS)]
     (remaining,) = without([one.rows], pulses)
-    whole = one.evidence(one.kalman.innovations(remaining.r), one.fit)
+    whole = one.evidence(remaining.r, one.fit)
     np.testing.assert_allclose(one.remaining_evidence, whole, atol=0.01)

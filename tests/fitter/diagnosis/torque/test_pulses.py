@@ -5,8 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fitter.data.derivatives import lowpass
+from fitter.diagnosis.torque.pulse import pulse_means
 from fitter.diagnosis.torque.pulses import find_pulses
-from tests.fitter.diagnosis.torque.residuals import coloured, filtered_pulse, trial
+from tests.fitter.diagnosis.torque.residuals import BAND_HZ, coloured, finer, trial
 
 HIDDEN = {0: [(2.0, 0.2, 0.5, "rectangular"), (6.5, 0.25, -0.6, "bell")], 2: [(4.0, 0.3, 0.4, "rectangular")]}
 
@@ -28,9 +30,11 @@ def test_all_pulses_are_found_and_no_others():
 def test_a_large_pulse_is_not_taken_for_background():
     """By the background of all blocks, which holds it, the lesser one behind it is found in its stead."""
     rng, noise = np.random.default_rng(0), 1e-3
-    trials = [replace(part, r=noise / 0.05 * part.r) for part in (trial(rng), trial(rng))]
-    for pulse in ((2.0, 0.2, 1.4, "rectangular"), (2.25, 0.1, -0.13, "rectangular")):
-        trials[0].r[:, 0] += filtered_pulse(*pulse)
+    trials = [finer(replace(part, r=noise / 0.05 * part.r)) for part in (trial(rng), trial(rng))]
+    for start_s, duration_s, size in ((2.0, 0.2, 1.4), (2.25, 0.1, -0.13)):
+        step_s = trials[0].t[1] - trials[0].t[0]
+        pulse = size * pulse_means(trials[0].t, step_s, start_s, duration_s, "rectangular")
+        trials[0].r[:, 0] += lowpass(pulse, step_s, BAND_HZ)
     found = find_pulses([replace(part, torque_noise=np.array([0.1 * noise])) for part in trials])
     assert found[0].start_s == pytest.approx(2.0, abs=0.01)
     assert found[0].torque_N_m == pytest.approx(1.4, rel=0.1)
