@@ -31,9 +31,9 @@ class Search:
         before it, and where there is none, rows have the weights of the residual.
         """
         k, weighted, s = self.kalman, self.kalman.weighted(r, self.nu), self.shapes
-        before = weighted.innovations(r), weighted.predicted(r)
+        e, states = weighted.innovations(r), weighted.predicted(r)
         pulses = s.values, s.before, s.length, places
-        return np.asarray(_evidence(r, *before, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
+        return np.asarray(_evidence(r, e, states, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
 
     def found(self, least: float) -> Iterator[Pulse]:
         """Yield the pulses whose evidence exceeds the least, the most evident first.

@@ -1,0 +1,49 @@
+"""Each push is a cause by itself: none is one because it was found beside another."""
+
+import pytest
+
+from arm.model import Effect
+from fitter.diagnosis import accepted_pulses
+from fitter.diagnosis.accepted_pulses import with_pulses
+from fitter.diagnosis.least_squares import MOST_CAUSES
+from fitter.diagnosis.screening import screen
+from fitter.diagnosis.stepwise import Stepwise
+from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.torque_likelihood import TorqueLikelihood
+from tests.fitter.diagnosis.searched import swinging
+
+#: In the fourth trial of three seconds each, which may be learnt from, and in the seventh, which may not.
+LEARNT, HELD_OUT = 10.2, 19.4
+
+
+def searched(*pushes):
+    names = "start_s", "duration_s", "torque_N_m"
+    effects = [Effect("external_push", dict(zip(names, push, strict=True)), joints=(1,)) for push in pushes]
+    likelihood = TorqueLikelihood(swinging(*effects), [], screen)
+    search = Stepwise(likelihood, 1, MOST_CAUSES)
+    return likelihood, search, search.run()
+
+
+def claimed(start_s, torque_N_m, evidence):
+    trial = int(start_s // 3.0)
+    return Pulse(trial, 0, start_s, 0.4, torque_N_m, 0.01, 0.01, 0.02, 0.01, "rectangular", evidence, evidence)
+
+
+@pytest.mark.parametrize("start_s", [LEARNT, HELD_OUT])
+def test_a_push_in_any_trial_is_a_cause(start_s):
+    found = with_pulses(*searched((start_s, 0.4, 1.5)))
+    (step,) = found.steps
+    assert [one.start_s for one in step.hypothesis.found] == pytest.approx([start_s], abs=0.06)
+
+
+def test_where_nothing_pushes_there_is_no_cause():
+    likelihood, search, found = searched()
+    assert with_pulses(likelihood, search, found).steps == ()
+
+
+@pytest.mark.parametrize("evidence", [5.0, 500.0])
+def test_what_was_claimed_beside_a_push_goes_unless_it_has_evidence_of_its_own(monkeypatch, evidence):
+    claims = [claimed(LEARNT, 1.5, 100.0), claimed(HELD_OUT, 0.01, evidence)]
+    monkeypatch.setattr(accepted_pulses, "missed_pulses", lambda *_: claims)
+    (step,) = with_pulses(*searched((LEARNT, 0.4, 1.5))).steps
+    assert [one.start_s for one in step.hypothesis.found] == [LEARNT]
