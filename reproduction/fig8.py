@@ -83,7 +83,8 @@ def run(settings: Settings) -> Experiment:
         assumptions=(
             f"The real arm is the standard bench of Fig. 7. The virtual one is calibrated from the {learning} "
             "learning motions as its accelerometers show them: geometry as in Table 2, dynamics by eq. (9) with "
-            f"{GENERATIONS} generations of {POPULATION} and law (5). The evaluating motions are used for nothing.",
+            f"at most {GENERATIONS} generations of {POPULATION} and law (5). The evaluating motions are used for "
+            "nothing.",
             "The virtual arm is given the same targets and runs through all motions on its own, from its first "
             "rest to the end. Its angles are held against the real arm's true ones, at 4 kHz, both joints "
             "together.",

@@ -69,9 +69,9 @@ def run(settings: Settings) -> Experiment:
             "Where velocities and accelerations come from is not printed either. A: they are computed from the "
             "noisy angles. B: the noise is on the angles alone, derivatives are exact; nobody can measure so, but "
             "the paper's figures change so little with the noise that it may have been done.",
-            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}; under A with the moving average of four "
-            "(section 2.2) and differences. Ours: the simulated motion fitted to the angles, which needs no "
-            "derivatives. ± is half of a 95 % interval.",
+            f"Plain: eq. (9), at most {GENERATIONS} generations of {POPULATION}; under A with the moving average "
+            "of four (section 2.2) and differences. Ours: the simulated motion fitted to the angles, which needs "
+            "no derivatives. ± is half of a 95 % interval.",
             "Least possible: the Cramér–Rao bound for these motions and this noise, each trial's start unknown, "
             "as half of a 95 % interval. No unbiased estimate from the same angles can be surer.",
         ),

@@ -46,9 +46,9 @@ def run(settings: Settings) -> Experiment:
             f"Without noise any number of data gives the same answer. The angles have {100 * _SHARE:.0f} % of "
             f"white noise ({', '.join(f'{x:.2f}°' for x in spread)}), as in Table 3; targets, law (5) and its "
             "gains are known.",
-            f"Plain: eq. (9), {GENERATIONS} generations of {POPULATION}, velocities and accelerations by the "
-            "moving average of four and differences, or exact. Ours: the simulated motion fitted to the angles. "
-            "± is half of a 95 % interval.",
+            f"Plain: eq. (9), at most {GENERATIONS} generations of {POPULATION}, velocities and accelerations by "
+            "the moving average of four and differences, or exact. Ours: the simulated motion fitted to the "
+            "angles. ± is half of a 95 % interval.",
         ),
         grids=(_grid(found), _error_grid(found, true)),
         findings=_findings(found, true),

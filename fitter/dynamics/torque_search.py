@@ -22,8 +22,8 @@ from limbcal.suggestion import did_you_mean
 Progress = Callable[[int, float], None]
 
 GENERATIONS = 1000
-#: The search has ended too soon if it is worse than the optimum within its bounds by more than this fraction.
-_NOT_CONVERGED = 1e-3
+#: The search has found the optimum within its bounds if it is worse by no more than this fraction.
+_FOUND = 1e-3
 
 
 def fit_sums(
@@ -48,9 +48,10 @@ def fit_sums(
     size = population or max(POPULATION, INDIVIDUALS_PER_GENE * len(problem.free))
     lower, upper = _bounds(base, problem, bounds or {})
     genes, stopped = problem.optimum_within(lower, upper)
-    if method == "ga":
-        best = _search(problem, lower, upper, np.random.default_rng(seed), size, generations, progress)
-        _require_found(problem, best, genes, generations, size)  # the local polish: on the sums one step ends it
+    bred = 0
+    if method == "ga":  # the local polish: on the sums one step ends it
+        algorithm = GeneticAlgorithm(lower, upper, np.random.default_rng(seed), size)
+        bred = _search(problem, algorithm, genes, generations, progress)
     notes: list[Note] = []
     while stopped.any():  # it is held at its bound: the others' errors are those of what is left
         notes += _stopped(base, problem, genes, stopped)
@@ -63,7 +64,7 @@ def fit_sums(
             parameters={},
             method=method,
             objective="torque",
-            generations=generations if method == "ga" else 0,
+            generations=bred,
             population=size if method == "ga" else 0,
             samples=sums.samples,
             seconds=0.0,
@@ -136,32 +137,31 @@ def _stopped(
 
 def _search(
     problem: TorqueProblem,
-    lower: Floats,
-    upper: Floats,
-    rng: np.random.Generator,
-    population: int,
-    generations: int,
+    algorithm: GeneticAlgorithm,
+    optimum: Floats,
+    most: int,
     progress: Progress | None,
-) -> Floats:
-    algorithm = GeneticAlgorithm(lower, upper, rng, population)
-    for _ in range(generations):
+) -> int:
+    """Search until the optimum is found, and return in how many generations.
+
+    Raises
+    ------
+    NotConverged
+        If it is not found in ``most``.
+    """
+    least = float(problem.cost(optimum[None])[0])
+    allowed = _FOUND * problem.rest + 1e-9 * float(problem.z @ problem.z)
+    while algorithm.generation < most:
         algorithm.tell(problem.cost(algorithm.ask()))
         if progress is not None:
             progress(algorithm.generation, algorithm.best_cost)
-    return algorithm.best
-
-
-def _require_found(
-    problem: TorqueProblem, best: Floats, optimum: Floats, generations: int, population: int
-) -> None:
-    cost = float(problem.cost(best[None])[0])
-    excess = cost - float(problem.cost(optimum[None])[0])
-    allowed = _NOT_CONVERGED * problem.rest + 1e-9 * float(problem.z @ problem.z)
-    if not excess <= allowed:
-        raise NotConverged(
-            f"after {generations} generations of {population} the cost {cost:.6g} is still "
-            f"{excess:.3g} above the optimum; expected no more than {allowed:.3g}, so give it more generations"
-        )
+        if algorithm.best_cost - least <= allowed:
+            return algorithm.generation
+    raise NotConverged(
+        f"after {most} generations of {len(algorithm.ask())} the cost {algorithm.best_cost:.6g} is still "
+        f"{algorithm.best_cost - least:.3g} above the optimum; expected no more than {allowed:.3g}, "
+        "so give it more generations"
+    )
 
 
 def _static_friction(arm: Arm) -> dict[str, FittedParameter]:

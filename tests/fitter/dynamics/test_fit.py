@@ -64,7 +64,7 @@ def test_the_search_ends_at_the_least_squares_optimum(bench_trials, seed):
     assert 0.0 <= ga.cost / ls.cost - 1.0 <= 1e-9
     assert np.all(np.abs(values_of(ga) - values_of(ls)) < 1e-3 * std_of(ls))
     assert np.all(np.abs(values_of(ga) - TRUE) < 6.0 * std_of(ga))
-    assert ga.generations == 1000
+    assert 0 < ga.generations < 1000  # it ends once the optimum is found
     assert ls.generations == 0
 
 
@@ -125,7 +125,7 @@ def test_progress_and_document(bench_trials):
     fit = fit_dynamics(
         BLANK, bench_trials[:2], generations=200, progress=lambda done, cost: seen.append((done, cost))
     )
-    assert [done for done, _ in seen] == list(range(1, 201))
+    assert [done for done, _ in seen] == list(range(1, fit.generations + 1))
     result = document(fit, score(fit.arm, bench_trials[:2]), score(fit.arm, bench_trials[4:]))
     assert list(result) == [
         "parameters",
