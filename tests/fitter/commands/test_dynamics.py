@@ -46,7 +46,7 @@ def test_the_document_is_the_contracts(fitter, trial_files, guess, tmp_path):
     values = [document["parameters"][name]["value"] for name in NAMES[:8]]
     assert np.allclose(values, TRUE, rtol=1e-3, atol=1e-4)
     assert document["parameters"]["F1"] == {"value": 0.0, "std": None, "unit": "N m", "identifiable": False}
-    assert document["method"] == "ga" and document["generations"] == 1000
+    assert document["method"] == "ga" and 0 < document["generations"] < 1000
     assert document["samples"] <= 2 * 3375 and document["seconds"] > 0.0 and document["condition_number"] > 1.0
     assert set(document["torque_rms_N_m"]) == set(document["angle_error_deg"]) == {"learn", "evaluate"}
     assert all(len(rms) == 2 and max(rms) < 1e-3 for rms in document["torque_rms_N_m"].values())
@@ -96,7 +96,7 @@ def test_restricted_conditions(fitter, trial_files, guess, tmp_path):
     document = fitter(
         "dynamics", trial_files[0], "--arm", guess, "--out", tmp_path / "arm.toml", *restricted
     ).document
-    assert document["generations"] == 400
+    assert 0 < document["generations"] <= 400
     assert document["parameters"]["D2"]["value"] == 0.5 and not document["parameters"]["D2"]["identifiable"]
 
 
