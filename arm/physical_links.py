@@ -68,9 +68,12 @@ def links_with(arm: Arm, combination: Floats, values: Floats) -> Sequence[Link]:
     def mismatch(x: Floats, pull: float) -> Floats:
         return np.concatenate([(combination @ _parameters(x) - values) / unit, pull * (x - x0)])
 
+    def slopes(x: Floats, pull: float) -> Floats:
+        return np.vstack([combination @ _slopes(x) / unit[:, None], pull * np.eye(len(x))])
+
     x = x0
     for pull in (1e-1, 1e-3, 1e-5):  # towards the combinations by steps, so that it stays near the start
-        x = scipy.optimize.least_squares(mismatch, x, args=(pull,), method="trf", max_nfev=_TRIES).x
+        x = scipy.optimize.least_squares(mismatch, x, slopes, args=(pull,), method="trf", max_nfev=_TRIES).x
     found = _onto(combination, values, _parameters(x))
     if not all(is_possible(p) for p in found.reshape(-1, 10)):
         found = _onto(combination, values, start.ravel())
@@ -107,21 +110,35 @@ def _log_triangle(parameters: Floats) -> Floats:
     return np.asarray(x, dtype=np.float64)
 
 
-def _parameters(x: Floats) -> Floats:
-    """Return the standard parameters of all links from their log-triangles, ten numbers each."""
+def _triangles(x: Floats) -> Floats:
+    """Return the triangles U of all links from ten numbers each, (n_link, 4, 4)."""
     rows = x.reshape(-1, 10)
     U = np.zeros((len(rows), 4, 4))
     U[:, _ROWS, _COLS] = rows
     U[:, range(4), range(4)] = np.exp(U[:, range(4), range(4)])
-    J = U @ U.transpose(0, 2, 1)
-    trace = J[:, 0, 0] + J[:, 1, 1] + J[:, 2, 2]
-    columns = [
-        trace - J[:, 0, 0],
-        trace - J[:, 1, 1],
-        trace - J[:, 2, 2],
-        -J[:, 0, 1],
-        -J[:, 0, 2],
-        -J[:, 1, 2],
-    ]
-    columns += [J[:, 0, 3], J[:, 1, 3], J[:, 2, 3], J[:, 3, 3]]
-    return np.column_stack(columns).ravel()
+    return U
+
+
+def _parameters(x: Floats) -> Floats:
+    """Return the standard parameters of all links from their log-triangles, ten numbers each."""
+    U = _triangles(x)
+    return _of_pseudo_inertias(U @ U.transpose(0, 2, 1)).ravel()
+
+
+def _slopes(x: Floats) -> Floats:
+    """Return the derivatives of `_parameters`, (10 n_link, 10 n_link): dJ = dU U^T + U dU^T."""
+    U = _triangles(x)
+    n, pairs = len(U), list(zip(_ROWS.tolist(), _COLS.tolist(), strict=True))
+    dJ = np.zeros((n, len(pairs), 4, 4))
+    for k, (row, col) in enumerate(pairs):
+        column = U[:, :, col] * (U[:, row, row, None] if row == col else 1.0)
+        dJ[:, k, row, :] += column
+        dJ[:, k, :, row] += column
+    return np.asarray(scipy.linalg.block_diag(*_of_pseudo_inertias(dJ).transpose(0, 2, 1)))
+
+
+def _of_pseudo_inertias(J: Floats) -> Floats:
+    """Return the standard parameters of pseudo-inertias (…, 4, 4), (…, 10)."""
+    trace = J[..., 0, 0] + J[..., 1, 1] + J[..., 2, 2]
+    columns = [*(trace - J[..., i, i] for i in range(3)), -J[..., 0, 1], -J[..., 0, 2], -J[..., 1, 2]]
+    return np.stack([*columns, *(J[..., i, 3] for i in range(4))], axis=-1)

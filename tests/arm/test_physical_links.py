@@ -6,7 +6,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from arm.base_parameters import base_parameters
-from arm.physical_links import is_possible, links_with, pseudo_inertia
+from arm.physical_links import _parameters, _slopes, is_possible, links_with, pseudo_inertia
 from arm.regressor import standard_parameters
 
 FEW = settings(max_examples=30, deadline=None)
@@ -47,3 +47,12 @@ def test_links_come_as_near_as_they_can_to_those_asked_for(dd_arm):
     for link, joint in zip(found, dd_arm.joints, strict=True):
         np.testing.assert_allclose(link.mass_kg, joint.link.mass_kg, rtol=1e-3)
         np.testing.assert_allclose(link.com_m, joint.link.com_m, rtol=0, atol=1e-3)
+
+
+@FEW
+@given(SEEDS)
+def test_slopes_are_those_of_differences(seed):
+    x = np.random.default_rng(seed).normal(size=30)
+    step = 1e-5 * np.eye(30)
+    differences = np.stack([_parameters(x + one) - _parameters(x - one) for one in step], axis=1) / 2e-5
+    np.testing.assert_allclose(_slopes(x), differences, rtol=1e-6, atol=1e-6 * np.abs(differences).max())
