@@ -84,11 +84,15 @@ class Multistart:
     def best(self, hypothesis: Hypothesis, rounds: int = 4) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most.
 
-        Gradual ones take some rounds, and those that replace what the arm has: from its numbers on.
+        Gradual ones take some rounds, and those that replace what the arm has: from its numbers on. A round goes no
+        farther than twice as far as the one before, so a straight step from nothing is a start as well.
         """
-        if hypothesis.nothing and (hardly := self._hardly(hypothesis)):
-            return hardly
+        promised, straight = self._straight(hypothesis) if hypothesis.nothing else (0.0, None)
+        if straight is not None and max(promised, straight.gain) < NEGLIGIBLE * self.chi2:
+            return straight
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
+        if straight is not None:
+            starts = np.vstack([starts, straight.psi])
         gains = self._gains_of(hypothesis, starts)
         order = np.argsort(-np.array(gains), kind="stable")
         psi, gain, best = starts[order[0]], gains[order[0]], starts[order[:N_REFINED]]
@@ -98,10 +102,10 @@ class Multistart:
             gain = self._gain(hypothesis, psi)
         return Best(gain, psi, best)
 
-    def _hardly(self, hypothesis: Hypothesis) -> Best | None:
-        """Return where a straight step from nothing leads, if it promises next to nothing and keeps to that.
+    def _straight(self, hypothesis: Hypothesis) -> tuple[float, Best | None]:
+        """Return by how much a straight step from nothing promises to lower the sum of squares, and where it leads.
 
-        Where the least of it makes parameters be felt that were not, no slope leads from there.
+        Where the least of a hypothesis makes parameters be felt that were not, no slope leads from nothing.
         """
         nothing = np.array(hypothesis.nothing)
         model, held = self._model.plus(hypothesis, nothing), len(self._model.hypotheses)
@@ -109,17 +113,15 @@ class Multistart:
         without, felt = (self._regression.hypothetical(one, self._motions[0]).arm for one in (model, somewhat))
         sought = self._regression.equations.independent
         if not np.array_equal(sought(without), sought(felt)):
-            return None
+            return 0.0, None
         misfit = Misfit(self._regression, model, self._motions, held)
         both = np.column_stack([misfit.slopes(nothing), misfit.residual(nothing)])[: len(self._target)]
         both -= self._tangent @ (self._tangent.T @ both)
         slopes, residual = both[:, :-1], both[:, -1]
         step = solved(slopes.T @ slopes, -slopes.T @ residual)
-        if -float(residual @ (slopes @ step)) >= NEGLIGIBLE * self.chi2:
-            return None
-        there = np.clip(nothing + step, misfit.low, misfit.high)
-        gain = self._gain(hypothesis, there)
-        return Best(gain, there, there[None]) if gain < NEGLIGIBLE * self.chi2 else None
+        there = hypothesis.inside(np.clip(nothing + step, misfit.low, misfit.high))
+        promised = -float(residual @ (slopes @ step))
+        return promised, Best(self._gain(hypothesis, there), there, there[None])
 
     def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         """Return by how much a hypothesis with some psi lowers the sum of squares."""
