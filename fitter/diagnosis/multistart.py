@@ -84,11 +84,11 @@ class Multistart:
     def best(self, hypothesis: Hypothesis, rounds: int = 4) -> Best:
         """Return the start of a hypothesis that lowers the sum of squares most.
 
-        Gradual ones take some rounds, and those that replace what the arm has: from its numbers on. A round goes no
-        farther than twice as far as the one before, so a straight step from nothing is a start as well.
+        Gradual ones take some rounds, and those that replace what the arm has: from its numbers on. A round goes
+        twice as far as the one before at the most, so a straight step from nothing is a start as well.
         """
-        promised, straight = self._straight(hypothesis) if hypothesis.nothing else (0.0, None)
-        if straight is not None and max(promised, straight.gain) < NEGLIGIBLE * self.chi2:
+        expected, straight = self._straight(hypothesis) if hypothesis.nothing else (0.0, None)
+        if straight is not None and max(expected, straight.gain) < NEGLIGIBLE * self.chi2:
             return straight
         starts = self._foremost(hypothesis, self._starts_of(hypothesis))
         if straight is not None:
@@ -103,7 +103,7 @@ class Multistart:
         return Best(gain, psi, best)
 
     def _straight(self, hypothesis: Hypothesis) -> tuple[float, Best | None]:
-        """Return by how much a straight step from nothing promises to lower the sum of squares, and where it leads.
+        """Return by how much a straight step from nothing should lower the sum of squares, and where it leads.
 
         Where the least of a hypothesis makes parameters be felt that were not, no slope leads from nothing.
         """
@@ -120,8 +120,8 @@ class Multistart:
         slopes, residual = both[:, :-1], both[:, -1]
         step = solved(slopes.T @ slopes, -slopes.T @ residual)
         there = hypothesis.inside(np.clip(nothing + step, misfit.low, misfit.high))
-        promised = -float(residual @ (slopes @ step))
-        return promised, Best(self._gain(hypothesis, there), there, there[None])
+        expected = -float(residual @ (slopes @ step))
+        return expected, Best(self._gain(hypothesis, there), there, there[None])
 
     def gain(self, hypothesis: Hypothesis, psi: Floats) -> float:
         """Return by how much a hypothesis with some psi lowers the sum of squares."""

@@ -8,7 +8,7 @@ import pytest
 from arm.effects.catalogue import catalogue
 from arm.model import Effect
 from fitter.data.trials import to_trials
-from fitter.diagnosis.arm_hypotheses import FrictionDrift, GravityTilt
+from fitter.diagnosis.arm_hypotheses import FrictionDrift, GravityTilt, JointZero
 from fitter.diagnosis.disturbance_pulses import DisturbancePulses
 from fitter.diagnosis.drive_hypotheses import Gain, Lag
 from fitter.diagnosis.error_floor import regression_of
@@ -22,6 +22,7 @@ from fitter.diagnosis.run import run_of
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.torque.pulse import Pulse
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
+from tests.fitter.diagnosis.two_joints import regression_of_two
 from tests.fitter.pendulum import pendulum, stop_that_no_learning_trial_reaches, swings
 
 COGGING = Effect("cogging", {"amplitude_N_m": 0.3, "phase_rad": 0.3, "periods_per_turn": 7.0}, joints=(1,))
@@ -154,3 +155,13 @@ def test_what_changes_nothing_explains_nothing_where_friction_has_to_brake():
     grid = Multistart(likelihood.regression, base.model, Starts())
     gain = Gain(catalogue()["gain_error"], (0,))
     assert grid.gain(gain, np.array([1.0])) == pytest.approx(0.0, abs=1e-6 * grid.chi2)
+
+
+def test_a_zero_that_is_far_off_is_begun_near_it():
+    """Rounds go twice as far each: from a hundredth of a radian four of them do not come to a third of one."""
+    regression = regression_of_two(Effect("joint_zero", {"offset_rad": 0.35}, joints=(1,)))
+    grid = Multistart(regression, Model(), Starts())
+    zero = grid.best(JointZero(catalogue()["joint_zero"], (0,)))
+    tilt = grid.best(GravityTilt(catalogue()["gravity_tilt"], ()))
+    assert zero.psi == pytest.approx([0.35], abs=0.02)
+    assert zero.gain == pytest.approx(tilt.gain, rel=0.01)
