@@ -112,18 +112,29 @@ class DisturbancePulses(Hypothesis):
         places = self._places(psi)
         return np.column_stack([places, factors / places[:, 1]]).ravel()
 
+    @property
+    def _unseen_std(self) -> Floats:
+        """Standard errors of start and end where nothing is known: uniform there, (n_pulse, 2) [s]."""
+        return np.asarray(np.array([one.unseen_s for one in self.found]).reshape(-1, 2) / np.sqrt(12.0))
+
     def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
         """Return standard errors of what no fit shows: an end where nothing is known, and the other form."""
-        before, after = np.array([one.unseen_s for one in self.found]).T / np.sqrt(12.0)  # uniform there
+        before, after = self._unseen_std.T
         form = np.array([one.form_std for one in self.found])
         start, lasting = np.hypot(form[:, 0], before), np.sqrt(form[:, 1] ** 2 + before**2 + after**2)
         return np.column_stack([start, lasting, form[:, 2]]).ravel()
 
     def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
-        """Say which numbers are known: of a push whose duration may be zero only when it was."""
+        """Say which numbers are known: a duration that may not be zero, and a torque if what was seen lasted.
+
+        Of a push too short for the band only the impulse is known. Of one that begins or ends while nothing is
+        known the torque is, though not how long it lasted.
+        """
         known = np.isfinite(std).reshape(-1, len(_NUMBERS))
-        lasts = np.reshape(values - EQUAL_SIGMAS * std, known.shape)[:, 1] > 0.0
-        known[:, 1:] &= lasts[:, None]
+        duration, error = (np.reshape(one, known.shape)[:, 1] for one in (values, std))
+        of_what_was_seen = np.sqrt(np.maximum(error**2 - np.sum(self._unseen_std**2, axis=1), 0.0))
+        known[:, 1] &= duration > EQUAL_SIGMAS * error
+        known[:, 2] &= duration > EQUAL_SIGMAS * of_what_was_seen
         return np.asarray(known.ravel())
 
     @property

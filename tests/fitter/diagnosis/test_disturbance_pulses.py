@@ -73,6 +73,17 @@ def test_a_duration_that_may_be_zero_is_not_determined():
     assert pushes.determined(values, std).tolist() == [True, False, False, True, True, True]
 
 
+def test_the_torque_of_a_push_that_begins_unseen_is_determined():
+    begun = replace(PULSE, unseen_s=(1.0, 0.0))
+    pushes = DisturbancePulses(KIND, 0, [begun])
+    error = float(np.hypot(1.0 / np.sqrt(12.0), 0.01))
+    assert pushes.determined(np.array([1.0, 0.4, 5.0]), np.array([error, error, 0.1])).tolist() == [
+        True,
+        False,
+        True,
+    ]
+
+
 def test_each_of_several_has_its_own_numbers():
     pushes = DisturbancePulses(KIND, 0, [PULSE, OTHER])
     assert pushes.numbers(np.ones(4), np.array([1.0, -2.4])) == pytest.approx([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
