@@ -11,6 +11,7 @@ lacking moved the arm (1) is unknown, and how much is an error of the measured t
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,6 +22,10 @@ from fitter.diagnosis.least_squares import ITERATIONS, ODDS_NATS, ROUNDED, SETTL
 from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
+
+#: Numbers, one of every joint at an instant, from which a step's curvature is computed: known to 6 % of their
+#: scatter. Only how quickly steps converge depends on it, not where to (sub-sampled Newton: Byrd et al. 2011).
+CURVATURE_NUMBERS = 300
 
 
 @dataclass(frozen=True)
@@ -48,15 +53,28 @@ class _Masses:
         flat = self.slopes.reshape(-1, self.slopes.shape[-1])
         return self.known + (flat @ x[self.kept]).reshape(self.known.shape)
 
-    def traces(self, x: Floats) -> tuple[Floats, Floats]:
-        """Return the weighted traces of M^-1 M_k and of M^-1 M_k M^-1 M_l by all factors; 0 for those not kept."""
-        B, n_joint = solved_slopes(self.at(x), self.slopes), self.known.shape[1]
-        score, information = np.zeros(len(x)), np.zeros((len(x), len(x)))
-        score[self.kept] = sum(self.weight @ B[:, i, i] for i in range(n_joint))
+    def score(self, x: Floats) -> Floats:
+        """Return the weighted traces of M^-1 M_k by all factors, (n_factor,); 0 for those not kept."""
+        weighted = self.weight[:, None, None] * np.linalg.inv(self.at(x)).transpose(0, 2, 1)
+        score = np.zeros(len(x))
+        score[self.kept] = weighted.ravel() @ self.slopes.reshape(-1, len(self.kept))
+        return score
+
+    def information(self, x: Floats) -> Floats:
+        """Return the weighted traces of M^-1 M_k M^-1 M_l by all factors, (n_factor, n_factor)."""
+        B = solved_slopes(self.at(x), self.slopes)
         weighted = (self.weight[:, None, None, None] * B).reshape(-1, len(self.kept))
+        information = np.zeros((len(x), len(x)))
         both = weighted.T @ B.transpose(0, 2, 1, 3).reshape(-1, len(self.kept))
         information[np.ix_(self.kept, self.kept)] = both
-        return score, information
+        return information
+
+    @cached_property
+    def sparse(self) -> "_Masses":
+        """Some of the instants, which weigh as much as all."""
+        own = slice(None, None, max(1, self.known[..., 0].size // CURVATURE_NUMBERS))
+        weight = self.weight[own] * (len(self.weight) / len(self.weight[own]))
+        return _Masses(np.ascontiguousarray(self.slopes[own]), self.known[own], weight, self.kept)
 
 
 class MassDensity:
@@ -72,10 +90,11 @@ class MassDensity:
         Independent numbers of each motion's equations.
     start : (n_base,)
         Base parameters with masses that a body can have.
-    n_instant : int
-        Instants over which masses are averaged: known to 3 % of their scatter.
-    remembered : int
-        Models of which what was computed is kept.
+    n_number : int
+        Numbers over which masses are averaged, one of every joint at an instant: with two joints known to 3 % of
+        their scatter, with six to 5 %.
+    remembered_bytes : float
+        Of what was computed for models so much is kept: the last ones that were asked about.
     """
 
     def __init__(
@@ -85,13 +104,14 @@ class MassDensity:
         weight: float,
         count: Mapping[int, Floats],
         start: Floats,
-        n_instant: int = 1500,
-        remembered: int = 100,
+        n_number: int = 3000,
+        remembered_bytes: float = 1e8,
     ) -> None:
         self._equations, self._weight, self._count, self._start = equations, weight, count, start
-        self._remembered = remembered
+        self._remembered_bytes = remembered_bytes
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
+        n_instant = n_number // max(2, equations.arm.n_joint)
         self._stride = max(1, sum(len(one.t) for one in motions) // n_instant)
         self._base: dict[tuple[int, ...], float] = {}
         self._known: dict[tuple[object, ...], tuple[Floats, ...]] = {}
@@ -148,9 +168,9 @@ class MassDensity:
         for _ in range(ITERATIONS):
             if not np.isfinite(here):
                 break
-            score, information = masses.traces(x)
             weight = numbers / normal.sum_of_squares(x)
-            step = _solved(weight * normal.gram + information, weight * (normal.rhs - normal.gram @ x) + score)
+            right = weight * (normal.rhs - normal.gram @ x) + masses.score(x)
+            step = _solved(weight * normal.gram + masses.sparse.information(x), right)
             part, there = 1.0, value(x + step)
             while part > SETTLED and not there > here:
                 part *= 0.5
@@ -178,7 +198,9 @@ class MassDensity:
         ]
         slopes = np.concatenate([masses.slopes, *by_psi], axis=-1)
         kept = np.concatenate([masses.kept, len(x) + np.arange(len(by_psi))]).astype(np.intp)
-        return _Masses(slopes, masses.known, masses.weight, kept).traces(np.append(x, np.zeros(len(by_psi))))
+        every = _Masses(slopes, masses.known, masses.weight, kept)
+        x = np.append(x, np.zeros(len(by_psi)))
+        return every.score(x), every.information(x)
 
     def _masses(self, model: Model, motions: Sequence[Motion]) -> _Masses:
         inertial = [hypothesis.is_inertial for hypothesis in model.hypotheses]
@@ -188,12 +210,15 @@ class MassDensity:
             *(motion.number for motion in motions),
             *((one, psi.tobytes()) for one, psi in zip(parts.hypotheses, parts.psi, strict=True)),
         )
-        if key not in self._known:
-            if len(self._known) >= self._remembered:
-                self._known.clear()
+        found = self._known.pop(key, None)
+        if found is None:
             made = [self._made(parts, motion) for motion in motions]
-            self._known[key] = tuple(np.concatenate(one) for one in zip(*made, strict=True))
-        slopes, known, weight = self._known[key]
+            found = tuple(np.concatenate(one) for one in zip(*made, strict=True))
+            others = max(0, int(self._remembered_bytes / found[0].nbytes) - 1)
+            for oldest in list(self._known)[: max(0, len(self._known) - others)]:
+                del self._known[oldest]
+        self._known[key] = found
+        slopes, known, weight = found
         columns = [np.full(one.n_column, turns) for one, turns in zip(model.hypotheses, inertial, strict=True)]
         base = np.ones(slopes.shape[-1] - parts.n_column, dtype=np.bool_)
         return _Masses(slopes, known, weight, np.flatnonzero(np.concatenate([base, *columns])))

@@ -12,7 +12,7 @@ from fitter.diagnosis.arm_hypotheses import RotorInertia
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.least_squares import Normal
-from fitter.diagnosis.mass_density import MassDensity
+from fitter.diagnosis.mass_density import CURVATURE_NUMBERS, MassDensity
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.static_friction import HeldStribeck
 from tests.fitter.diagnosis.searched import swinging
@@ -118,3 +118,30 @@ def test_two_forms_of_one_effect_at_one_joint_are_kept_apart():
     given = Model().plus(HeldStribeck(0, 0.1), width)
     values = [density.of(model, regression.solve(model, motions), motions) for model in (Model(), fitted, given)]
     assert np.all(np.isfinite(values))
+
+
+def test_a_steps_curvature_is_that_of_some_instants_which_weigh_as_much_as_all(regression, density):
+    """That of all instants took most of the time of a diagnosis of six joints."""
+    x = regression.solve(Model(), regression.motions)
+    every = density._masses(Model(), regression.motions)  # noqa: SLF001
+    some = every.sparse
+    assert some.known[..., 0].size < 2 * CURVATURE_NUMBERS < every.known[..., 0].size
+    whole = every.information(x)
+    size = np.sqrt(np.diag(whole))
+    assert np.all(np.abs(some.information(x) - whole) <= 0.1 * np.outer(size, size))
+
+
+def test_of_what_was_computed_only_so_much_is_kept_and_the_last_asked_about_longest(regression, monkeypatch):
+    motions, kept, made = regression.motions, [], []
+    effect = catalogue()["rotor_inertia"]
+    models = [Model(), *(Model().plus(RotorInertia(effect, (j,)), np.zeros(0)) for j in range(2))]
+    bound = 2.5 * density_of(regression)._masses(Model(), motions).slopes.nbytes  # noqa: SLF001
+    density = density_of(regression)
+    density._remembered_bytes = bound  # noqa: SLF001
+    plain = density._made  # noqa: SLF001
+    monkeypatch.setattr(density, "_made", lambda *args: made.append(args) or plain(*args))
+    for model in (models[0], models[1], models[0], models[2], models[0]):
+        density.of(model, regression.solve(model, motions), motions)
+        kept.append(sum(one[0].nbytes for one in density._known.values()))  # noqa: SLF001
+    assert max(kept) <= bound
+    assert len(made) == 3 * len(motions)
