@@ -105,8 +105,14 @@ class TorqueLikelihood:
         return significant(candidate, estimates(self.regression, candidate).covariance)[-1]
 
     def is_significant(self, fit: Fit) -> bool:
-        """Say whether the sizes of all effects differ from none: two that cancel each other imitate a third."""
-        return all(significant(fit.candidate, estimates(self.regression, fit.candidate).covariance))
+        """Say whether the sizes of all effects differ from none, and can be: under other weights they may not.
+
+        Two effects that cancel each other imitate a third.
+        """
+        candidate = fit.candidate
+        return is_possible(candidate) and all(
+            significant(candidate, estimates(self.regression, candidate).covariance)
+        )
 
     def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:
         """Return a model with the last hypothesis of each of some options; None if its numbers are impossible."""

@@ -111,6 +111,15 @@ def test_numbers_that_the_catalogue_forbids_are_impossible(ranked):
     assert not is_possible(replace(first, x=signs * first.x))
 
 
+def test_a_size_that_the_catalogue_forbids_is_none_that_a_search_accepts(dragged, ranked):
+    """Under weights of its own the rotor of a free pendulum took all of its mass away, and was named."""
+    likelihood, _ = dragged
+    first = ranked[0]
+    signs = np.where(np.arange(len(first.candidate.x)) < len(first.candidate.x) - 1, 1.0, -1.0)
+    forbidden = replace(first, candidate=replace(first.candidate, x=signs * first.candidate.x))
+    assert likelihood.is_significant(first) and not likelihood.is_significant(forbidden)
+
+
 def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():
     likelihood = TorqueLikelihood(regression_of_two(DRAG), tried()[:1] + tried()[4:5], screen)
     found = likelihood.reweighted(likelihood.options(likelihood.base())[0])
