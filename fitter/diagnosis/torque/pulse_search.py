@@ -130,7 +130,8 @@ class Search:
             first, column = seen(self.rows, *place, form)
             own, s = e[first : first + len(column)] / noise, kalman.innovations(column, first) / noise
             ratio, size, _ = _ratio(own, s, self.nu)
-            return ratio, size, float(np.sqrt(np.mean((own - size * s) ** 2)))
+            # Past the trial's ends there is nothing that a place could miss.
+            return ratio, size, float(np.linalg.norm(own - size * s)) / float(np.sqrt(max(len(own), 1)))
 
         def sought(near: tuple[float, float], noise: float) -> tuple[float, float]:
             low, high = np.log([self.rows.step_s / near[1], LONGEST_PULSE_S / near[1]])

@@ -82,3 +82,10 @@ def test_evidence_is_made_anew_wherever_a_pulse_was_felt():
     (remaining,) = without([one.rows], pulses)
     whole = one.evidence(remaining.r, one.fit)
     np.testing.assert_allclose(one.remaining_evidence, whole, atol=0.01)
+
+
+def test_a_place_that_no_sample_of_the_trial_shows_has_no_evidence():
+    """A search from a trial's end on tries such places, and warned of a mean of nothing."""
+    one = search([])
+    _, _, size = one._likeliest(np.zeros(len(one.rows.t)), one.kalman, (60.0, 0.2), "rectangular")  # noqa: SLF001
+    assert size == 0.0
