@@ -141,7 +141,10 @@ def beginning(run: RawRun, frame_rate_hz: float, method: Method) -> tuple[Note, 
         w=None if run.w is None else run.w[:rows],
         gaps=tuple(gap for gap in run.gaps if gap.row < rows),
     )
-    if not first.readings(frame_rate_hz).begins_in_motion:
+    seen = first.readings(frame_rate_hz)
+    if method == "smooth":  # it judges by the noise of all readings
+        seen = replace(seen, noise=run.readings(frame_rate_hz).noise)
+    if not seen.begins_in_motion:
         return ()
     text = "it begins in the middle of a motion: "
     if method == "smooth":

@@ -10,6 +10,12 @@ from tracking.model.initial_state import ROUGH, MountingPrior
 from tracking.model.readings import Readings
 from tracking.smoother.orientations import EQUAL_NATS, likely_orientations, log_likelihood, right_angles, turned
 
+#: Said where no orientation is near.
+_NONE_NEAR = (
+    "whether axes are exchanged or reversed does not show: in none of their ways do lengths and places come out "
+    "near the file's, which is held to say how sensors are turned"
+)
+
 
 class Mounting(NamedTuple):
     """How sensors are mounted.
@@ -42,6 +48,9 @@ def likely_mounting(
 ) -> Mounting:
     """Return how sensors are mounted: as the file says within the prior, if nothing is a hundred times likelier.
 
+    What is likelier counts only if lengths and places are then near the file's: turned sensors in far places
+    follow what a rigid arm on a base at rest does not do, such as the leg of a person who walks.
+
     Parameters
     ----------
     arm, q, given, prior
@@ -52,6 +61,8 @@ def likely_mounting(
     """
     ways = likely_orientations(arm, readings, q, given, ROUGH, progress)
     best = ways[0]
+    if not best.is_near:  # a model that does not describe these readings prefers any axes to others
+        return Mounting(arm, prior, {}, [_NONE_NEAR])
     as_told = log_likelihood(arm, readings, q, given, prior)
     if not np.isfinite(best.log_likelihood) or as_told > best.log_likelihood - EQUAL_NATS:
         return Mounting(arm, prior, {}, [])

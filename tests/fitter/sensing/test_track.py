@@ -11,7 +11,7 @@ from arm.gyroscope import angular_velocity
 from arm.kinematics import tip_position
 from fitter.data.gaps import Gap
 from fitter.data.raw import RawRun
-from fitter.sensing.track import track_run, trials_of, true_angles
+from fitter.sensing.track import beginning, track_run, trials_of, true_angles
 from fitter.sensing.verdict import Verdict
 from limbcal.errors import ConfigError
 from tracking.model.frames import Phase
@@ -281,3 +281,15 @@ def test_gyroscopes_make_angles_better(method, sensed, short_run):
 def test_dead_reckoning_leaves_gyroscopes_aside(sensed, start, short_run):
     found = [track_run(run, short_run.arm, np.zeros(2), 1000.0, "integrate") for run in (sensed, start)]
     np.testing.assert_array_equal(found[0].columns["q"], found[1].columns["q"])
+
+
+def test_a_recording_begins_for_the_note_as_it_does_for_the_smoother() -> None:
+    """A person who stands sways by more than the noise of half a second, and by less than that of all."""
+    t = np.arange(2000) / 100.0
+    a = np.random.default_rng(0).normal(0.0, 0.03, (t.size, 3))
+    a[:50] *= 0.3
+    a[12:25] += 0.03
+    run = RawRun("stands", 100.0, t, a + [0.0, 0.0, 9.8])
+    assert run.readings(100.0).begins_steadily
+    assert beginning(run, 100.0, "smooth") == ()
+    assert [note.kind for note in beginning(run, 100.0, "filter")] == ["moving"]
