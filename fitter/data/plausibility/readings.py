@@ -43,7 +43,7 @@ def look(motion: Measured, arm: Arm) -> Measured:
     if a is None or len(a) < 4 * _WINDOW or any(sensor.highpass_hz > 0.0 for sensor in arm.sensors):
         return motion
     stated = any(f"{sensor.name}{axis}" in motion.stated for sensor in arm.sensors for axis in AXES)
-    rest = resting(a)
+    rest = _felt(resting(a), arm)
     if gravity > 0.0 and not stated:
         _require_unit(motion, rest, gravity)
     if gravity > 0.0:
@@ -60,6 +60,14 @@ def resting(a: Floats) -> Floats:
     means, scatter = windows.mean(axis=1), windows.var(axis=1)
     quietest = np.argmin(scatter.sum(axis=1))
     return np.asarray(means[quietest].reshape(-1, 3), dtype=np.float64)
+
+
+def _felt(rest: Floats, arm: Arm) -> Floats:
+    """Return what sensors feel that read this, (n_sensor, 3), by the arm file's scales and offsets."""
+    bias = np.array([sensor.bias_m_s2 for sensor in arm.sensors])
+    scale = np.array([sensor.scale for sensor in arm.sensors])
+    felt: Floats = (rest - bias) / scale
+    return felt
 
 
 def _require_radians(motion: Measured, sensor: str) -> None:
@@ -86,7 +94,8 @@ def _require_unit(motion: Measured, rest: Floats, gravity: float) -> None:
         raise Refusal(
             f"{motion.where}: at rest the sensors read {size:.2g} m/s²: readings without gravity? Expected "
             f"specific force, which is {gravity:.4g} m/s² upwards at rest; a sensor that is AC-coupled needs "
-            "highpass_hz in the arm file"
+            "highpass_hz in the arm file, and one that was set to zero at rest needs bias_m_s2 there: what was taken "
+            "off, with its sign reversed"
         )
 
 

@@ -128,6 +128,16 @@ def test_what_is_read_at_rest_tells_unit_and_sign(up, words):
     assert words in said and bool(said) == bool(words)
 
 
+@pytest.mark.parametrize(
+    ("off", "words"), [(G, ""), (0.0, "readings without gravity?"), (2.0 * G, "gravity downwards")]
+)
+def test_what_the_arm_file_says_was_taken_off_is_put_back(off, words):
+    """A sensor that was set to zero at rest reads nothing there, and its file says what was taken off."""
+    zeroed = replace(ARM, sensors=tuple(replace(s, bias_m_s2=(0.0, 0.0, -off)) for s in ARM.sensors))
+    said = said_of(held(0.0 if off < 1.5 * G else -3.0 * G), zeroed)
+    assert words in said and bool(said) == bool(words)
+
+
 def test_half_of_the_sensors_turned_round_is_a_mounting():
     motion = held(G)
     motion.columns["a"][:, 2] *= -1.0
