@@ -94,8 +94,8 @@ def _require_unit(motion: Measured, rest: Floats, gravity: float) -> None:
         raise Refusal(
             f"{motion.where}: at rest the sensors read {size:.2g} m/s²: readings without gravity? Expected "
             f"specific force, which is {gravity:.4g} m/s² upwards at rest; a sensor that is AC-coupled needs "
-            "highpass_hz in the arm file, and one that was set to zero at rest needs bias_m_s2 there: what was taken "
-            "off, with its sign reversed"
+            "highpass_hz in the arm file, and one that was set to zero at rest needs bias_m_s2 there: what was "
+            "taken off, with its sign reversed"
         )
 
 
