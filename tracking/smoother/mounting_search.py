@@ -12,8 +12,8 @@ from tracking.smoother.orientations import EQUAL_NATS, likely_orientations, log_
 
 #: Said where no orientation is near.
 _NONE_NEAR = (
-    "whether axes are exchanged or reversed does not show: in no orientation do lengths and places come out near the "
-    "file's, so sensors are taken to be turned as the file says"
+    "whether axes are exchanged or reversed does not show: in no orientation do lengths and places come out near "
+    "the file's, so sensors are taken to be turned as the file says"
 )
 
 
