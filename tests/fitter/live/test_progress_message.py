@@ -21,7 +21,8 @@ def test_geometry(calibration):
 def test_dynamics(calibration):
     fields = dynamics_fields(calibration)
     assert set(fields) == {"generation", "samples", "parameters", "error"}
-    assert fields["samples"] == calibration.dynamics.samples and fields["generation"] == 1000
+    assert fields["samples"] == calibration.dynamics.samples
+    assert fields["generation"] == calibration.dynamics.generations > 0
     value = fields["parameters"]["I2"]
     assert value["value"] == pytest.approx(0.471209, rel=0.01) and 0.0 < value["std"] < 0.01
     assert fields["parameters"]["F1"]["std"] is None
