@@ -55,7 +55,8 @@ def test_a_rate_is_followed_and_said(
     stamps = np.array([block["t0_ns"] for block in heard[RAW]]) * 1e-9
     numbers = np.array([block["sample0"] for block in heard[RAW]])
     late = numbers >= 2 * sampled_hz
-    rate_hz = np.polyfit(stamps[late] - stamps[0], numbers[late], 1)[0]
+    # Where a machine was busy, stamps step back as soon as a block comes less late than all before it.
+    rate_hz = np.median(np.diff(numbers[late]) / np.diff(stamps[late]))
     assert rate_hz == pytest.approx(sampled_hz, rel=0.005)
 
 
