@@ -113,8 +113,8 @@ def gains(
                 for j in range(d):
                     P[i, j] -= gain[k, i] * p[j]
             new_ratio[k] = variance[k] / S[k]
-            for n_q in range(len(fresh)):
-                i, j = fresh[n_q]
+            for m in range(len(fresh)):
+                i, j = fresh[m]
                 new_gain[k, i] += Q[i, j] * C[k, j] / S[k]
                 new_ratio[k] += C[k, i] * Q[i, j] * C[k, j] / S[k]
         _carried(F, at, P, turned)

@@ -179,9 +179,13 @@ class Search:
         return np.asarray(np.linalg.inv(information)), float(volume)
 
 
+@compiled
 def _log_ratio(e: Floats, other: Floats, nu: float) -> float:
     """Return by how much Student's log density of some innovations is more than that of others."""
-    return 0.5 * (nu + 1.0) * float(np.sum(np.log((nu + other**2) / (nu + e**2))))
+    ratio = 0.0
+    for i in range(len(e)):
+        ratio += np.log((nu + other[i] * other[i]) / (nu + e[i] * e[i]))
+    return 0.5 * (nu + 1.0) * ratio
 
 
 @compiled
@@ -223,8 +227,7 @@ def _evidence(
             innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, nothing, s)
             innovations(F, C, gain, S, known, r[first:last], first, states[first], beside)
             ratio, c, information = _ratio(beside, s, nu)
-            for k_row in range(last - first):
-                ratio += 0.5 * (nu + 1.0) * np.log((nu + e[first + k_row] ** 2) / (nu + beside[k_row] ** 2))
+            ratio += _log_ratio(beside, e[first:last], nu)
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
             evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
     return evidence
@@ -247,8 +250,4 @@ def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
         c = product / square
         if step > 0 and abs(c - before) < SETTLED * abs(c):
             break
-    ratio = 0.0
-    for i in range(len(e)):
-        miss = e[i] - c * s[i]
-        ratio += np.log((nu + e[i] * e[i]) / (nu + miss * miss))
-    return 0.5 * (nu + 1.0) * ratio, c, square
+    return _log_ratio(e - c * s, e, nu), c, square
