@@ -56,10 +56,11 @@ class ResidualTorque:
         def means(samples: Floats) -> Floats:
             return np.asarray(samples[: n * m].reshape(n, m, *samples.shape[1:]).mean(axis=1))
 
-        torque = self.torque[:, joint]
-        signals = np.stack([torque, np.gradient(torque, step_s)], axis=1)
-        known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
+        both = self.torque[:, joint], self.torque[:, joint] + r
+        rates = [np.gradient(one, step_s) for one in both]
+        signals = np.stack([_smaller(*both), _smaller(*rates)], axis=1)
+        known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
         noises = (
@@ -68,3 +69,8 @@ class ResidualTorque:
             *(means(one[:, joint]) for one in (self.friction, self.turning)),
         )
         return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
+
+
+def _smaller(one: Floats, other: Floats) -> Floats:
+    """Return the smaller of two signals, (n,), 0 where they differ in sign."""
+    return np.asarray(np.where(one * other > 0.0, np.where(np.abs(one) < np.abs(other), one, other), 0.0))
