@@ -6,13 +6,11 @@ import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance, Vector3
 from tracking.model.expected_readings import observe, room_of
+from tracking.model.gravity_length import LEAST_OFFSET_STD, MOST_OFFSET_STD, OFFSET_MARGIN
 from tracking.model.observation import ABSENT, GYRO_SCALE_NAMES, MOUNTING, MOUNTING_NAMES, Observation
 
-#: An accelerometer's offset where nothing is known of it, and at the least and at the most where the first
-#: readings, taken together, show how large the offsets of these sensors are [m/s^2].
-_OFFSET_STD, _LEAST_OFFSET_STD, _MOST_OFFSET_STD = 0.2, 0.02, 0.5
-#: Factor on what they show, for the standard deviation of few offsets is itself uncertain; a convention.
-_OFFSET_MARGIN = 2.0
+#: An accelerometer's offset where nothing is known of it [m/s^2].
+_OFFSET_STD = 0.2
 #: A gyroscope's offset: six degrees a second, as data sheets of consumers' chips have it [rad/s].
 _RATE_OFFSET_STD = 0.1
 #: An AC-coupled one may stand anywhere, and what it settles at is read off while it has settled [m/s^2].
@@ -29,7 +27,7 @@ _RESTING_STDS = RESTING_SPEED_STD, 0.05
 #: And of one that moves at first. Joints of robots turn at up to 3 rad/s (data sheets of UR5e, LBR iiwa), elbows
 #: at up to 20 rad/s in a throw, four times this; it takes half a second to get there.
 _MOVING_STDS = 5.0, 10.0
-#: A length that the arm file does not say the accuracy of may be a guess [m].
+#: A length that the arm file does not say the accuracy of is held to a share of itself, of this at the least [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.
 _CORNER_SHARE = 0.3
@@ -47,7 +45,7 @@ class MountingPrior:
     turn_rad: float = 0.0175
     place_m: float = 0.002
     place_share: float = 0.0
-    length_share: float = 1.0
+    length_share: float = 1.0 / 3.0
 
     def stds(self, position_m: Vector3) -> Floats:
         """Return those of scale, turn and place of a sensor that sits somewhere, (9,)."""
@@ -107,7 +105,7 @@ def start_state(
     left, free = (first - reading)[lasting], np.count_nonzero(lasting) - n
     if steady and free > 0:
         usual = np.sqrt(np.sum(left**2) / free)
-        offset_std[lasting] = np.clip(_OFFSET_MARGIN * usual, _LEAST_OFFSET_STD, _MOST_OFFSET_STD)
+        offset_std[lasting] = np.clip(OFFSET_MARGIN * usual, LEAST_OFFSET_STD, MOST_OFFSET_STD)
     x[offset] += np.where(coupled, first - reading, 0.0)
     if not steady:
         slope = _in_motion(of, x)

@@ -11,6 +11,7 @@ come by how much the sensors' clocks are late, and last what the model lacks: th
 own axes, and a difference of each channel.
 """
 
+from collections.abc import Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +94,7 @@ class Observation(NamedTuple):
 
 
 def observation_of(
-    arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False, clocks: bool = False
+    arm: Arm, mountings: bool = False, base: bool = False, lack: bool = False, clocks: Sequence[int] = ()
 ) -> tuple[Observation, int]:
     """Return the observation of an arm's sensors and the size of the state.
 
@@ -105,8 +106,8 @@ def observation_of(
         scale of gyroscopes.
     base, lack : bool
         Let the state hold an acceleration of the base, and what the model lacks of each channel.
-    clocks : bool
-        Let the state hold by how much each sensor but the first is late.
+    clocks : sequence of int
+        Let the state hold by how much these sensors are late, see `other_clocks`.
     """
     n, n_sensor = arm.n_joint, len(arm.sensors)
     housing = [*range(n_sensor), *arm.gyroscopes]  # the sensor that each triad belongs to
@@ -136,10 +137,8 @@ def observation_of(
         gyro_scale_column[turning] = size + 3 * np.arange(n_triad - n_sensor)
         size += 3 * (n_triad - n_sensor)
     clock_column = np.full(n_triad, ABSENT, dtype=np.int64)
-    if clocks:
-        late = np.array(housing, dtype=np.int64)
-        clock_column[late > 0] = size + late[late > 0] - 1
-    size += (n_sensor - 1) * clocks
+    for sensor in clocks:
+        clock_column[np.array(housing) == sensor], size = size, size + 1
     base_column, size = (size, size + 3) if base else (ABSENT, size)
     lack_column, size = (size, size + 3 * n_triad) if lack else (ABSENT, size)
     scales = [sensor.scale for sensor in arm.sensors]
@@ -177,6 +176,11 @@ def observation_of(
         columns[channel, : len(each)] = each
     n_column = np.array([len(each) for each in entries], dtype=np.int64)
     return observation._replace(columns=columns, n_column=n_column), size
+
+
+def other_clocks(arm: Arm) -> tuple[int, ...]:
+    """Return the sensors whose clocks can be asked for: all but the first one, whose clock counts."""
+    return tuple(range(1, len(arm.sensors)))
 
 
 def _entries(of: Observation, s: int, way: list[int]) -> list[list[int]]:

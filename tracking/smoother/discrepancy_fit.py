@@ -24,10 +24,12 @@ from tracking.model.regression_calibration import acceleration_noise, calm
 from tracking.smoother.discrepancy_sizes import noise_variances, sizes_of
 from tracking.smoother.smoothed import mend
 from tracking.smoother.smoother import NO_MOTION
-from tracking.smoother.smoothing_pass import pass_of, smooth_once
+from tracking.smoother.smoothing_pass import Pass, pass_of, smooth_once
 
 #: Expectations and maximisations at the most, and passes in each; variances are wanted of the last.
 _ROUNDS, _PASSES = 30, 4
+#: Rounds once clocks are let go: all else is where it was found to be.
+_LAST_ROUNDS = 5
 #: Rounds end when one gains less than this [nats], an odds ratio of a hundred.
 _LEAST_GAIN = float(np.log(100.0))
 #: Passes end when no joint moves by more than this [rad or m].
@@ -55,8 +57,7 @@ class DiscrepancyFit:
     ----------
     arm : Arm
     of, size
-        As from `tracking.model.observation.observation_of`, with what is lacking and the clocks, and the base if
-        that moves.
+        As from `tracking.model.observation.observation_of`, with what is lacking, and the base if that moves.
     course : Course
         Coarse frames.
     memory_s : float
@@ -89,8 +90,6 @@ class DiscrepancyFit:
         self.of, self.size, self.start, self._arm = of, size, start, arm
         self._revolute = np.array([joint.type == "revolute" for joint in arm.joints])
         self.clocks = ClockSearch(of, course.readings)
-        self.clocks.begin(*start)
-        course = self.clocks.moved(course)
         usual = begin.departure
         moves = of.base_column != ABSENT
         lacks = [float(usual[part.start]) for part in channels_alike(of)]
@@ -143,6 +142,33 @@ class DiscrepancyFit:
         self._variance = np.sqrt(noise_variances(self.of, self.course, self.found) * self._variance)
         self.course = with_sizes(self.of, self.course, self.sizes, self._variance)
         self.rounds, self.converged = self.rounds + 1, not late and abs(self._gain) < _LEAST_GAIN
+
+    def let_go(self, of: Observation, size: int, start: tuple[Floats, Floats]) -> None:
+        """Let some clocks differ, and go on from the motion and the sizes that were found.
+
+        Parameters
+        ----------
+        of, size, start
+            With these clocks, else as before.
+        """
+        self.of, self.size, self.start = of, size, start
+        self.clocks = ClockSearch(of, self.course.readings)
+        self.clocks.begin(*start)
+        self.course = self.clocks.moved(self.course)
+        self.found = pass_of(of, self.course, size)
+        columns = np.unique(of.clock_column[of.clock_column != ABSENT])
+        self._at = np.insert(self._at, np.full(len(columns), columns[0]), 0.0, axis=1)
+        self.rounds, self.converged = _ROUNDS - _LAST_ROUNDS, False
+        self._gain, self._last_gain = np.inf, np.inf
+
+    def pass_along(self) -> tuple[Pass, Floats]:
+        """Return a pass along the motion under the present sizes, and the covariance after the last reading."""
+        of, room, course = self.of, room_of(self._arm.n_joint), self.course
+        x, P = before(of, self.start, self.sizes)
+        found = pass_of(of, course, self.size)
+        along = calm(self._at, acceleration_noise(of, room, course, self._at), course.dt)
+        smooth_once(of, room, course, along, x, P, found, True)
+        return found, P
 
     def _settle(self) -> tuple[Floats, Floats]:
         """Find the motion under given sizes and its log-likelihood; return what is known after it."""

@@ -6,18 +6,21 @@ for which little but gravity is believed.
 """
 
 from collections.abc import Callable
+from copy import copy
 
 import numpy as np
 
 from arm.model import Arm, Floats
-from tracking.model.clocks import moved_back
+from tracking.model.clocks import CLOCK_STD_S, moved_back
 from tracking.model.course import Course, course_of
 from tracking.model.discrepancy import with_sizes
 from tracking.model.expected_readings import room_of
+from tracking.model.gravity_length import bound_offsets
 from tracking.model.initial_state import MountingPrior, start_state
-from tracking.model.observation import Observation, observation_of, rms_alike
+from tracking.model.observation import Observation, observation_of, other_clocks, rms_alike
 from tracking.model.process_noise import SMOOTHER_PUSH_STD
 from tracking.model.readings import Readings
+from tracking.smoother.clock_evidence import BLOCK_MEMORIES, ClockSlopes, accepted, clock_slopes
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
 from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
 from tracking.smoother.smoothed import SIGMAS, Smoothed, mend
@@ -91,27 +94,53 @@ class DiscrepancySmoother:
                 progress(rounds)
 
         def fit(base: bool, memory_s: float, begin: Begin) -> DiscrepancyFit:
-            of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=True)
+            of, size = observation_of(self._arm, self._sought, base, lack=True)
             start = self._begin(of, size, readings, known, previous)
             return DiscrepancyFit(self._arm, of, size, coarse, memory_s, start, begin, self.size)
 
         if known is not None and known.discrepancy is not None:  # of the same arm on the same base
             sizes = known.discrepancy
             fits = [fit(sizes.base_std > 0.0, sizes.memory_s, begin) for begin in begins]
-            return self._smoothed(likeliest(fits, [0.0] * len(fits), count_round), course, stride, rounds, until)
+            best = likeliest(fits, [0.0] * len(fits), count_round)
+            best = self._with_late_clocks(best, readings, known, previous, count_round)
+            return self._smoothed(best, course, stride, rounds, until)
         moves = [False, True] if len({sensor.joint for sensor in self._arm.sensors}) > 1 else [False]
         kinds = [(base, begin) for base in moves for begin in begins]  # what one link's sensors share is its own
         fits = [fit(base, MEMORIES_S[1], begin) for base, begin in kinds]
         best = likeliest(fits, [_ODDS_NATS * base for base, _ in kinds], count_round)
         base, begin = kinds[fits.index(best)]
         others = [fit(base, memory_s, begin) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
-        return self._smoothed(likeliest([best, *others], [0.0] * 3, count_round), course, stride, rounds, until)
+        best = likeliest([best, *others], [0.0] * 3, count_round)
+        best = self._with_late_clocks(best, readings, known, previous, count_round)
+        return self._smoothed(best, course, stride, rounds, until)
+
+    def _with_late_clocks(
+        self,
+        fit: DiscrepancyFit,
+        readings: Readings,
+        known: Smoothed | None,
+        previous: Smoothed | None,
+        count_round: Callable[[], None],
+    ) -> DiscrepancyFit:
+        """Return the fit with those clocks that the readings say differ; as it is if none does."""
+        asked = other_clocks(self._arm)
+        base = fit.sizes.base_std > 0.0
+        while asked:
+            of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=asked)
+            late = copy(fit)
+            late.let_go(of, size, self._begin(of, size, readings, known, previous))
+            differ = accepted(_clock_slopes(fit, late, asked))
+            if len(differ) == len(asked):
+                return likeliest([late], [0.0], count_round)
+            asked = tuple(asked[k] for k in differ)
+        return fit
 
     def _begin(
         self, of: Observation, size: int, readings: Readings, known: Smoothed | None, previous: Smoothed | None
     ) -> tuple[Floats, Floats]:
         first, steady = readings.first_mean, readings.begins_steadily
         x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
+        bound_offsets(of, readings, P)
         if known is not None:
             lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording
             x[lasting], P[lasting, lasting] = known.final[lasting], known.covariance[lasting, lasting]
@@ -159,6 +188,31 @@ class DiscrepancySmoother:
             fit.sizes,
             clocks=late,
         )
+
+
+def _clock_slopes(fit: DiscrepancyFit, late: DiscrepancyFit, asked: tuple[int, ...]) -> ClockSlopes:
+    """Return what a fit without clocks says of those of some sensors, which the same fit with clocks lets go."""
+    found, _ = fit.pass_along()
+    _, covariance = late.pass_along()
+    of, course = late.of, late.course
+    columns = [int(of.clock_column[sensor]) for sensor in asked]
+    channels = [np.repeat(of.clock_column == column, 3) for column in columns]
+    most = max(int(own.sum()) for own in channels)
+
+    def shared(values: Floats) -> Floats:
+        each = np.zeros((len(values), len(channels), most))
+        for k, own in enumerate(channels):
+            each[:, k, : int(own.sum())] = values[:, : own.size][:, own]
+        return each
+
+    return clock_slopes(
+        shared(found.error * course.present[:, None]),
+        shared(found.precision * course.present[:, None]),
+        shared(course.drift),
+        covariance[np.ix_(columns, columns)],
+        CLOCK_STD_S,
+        max(1, round(BLOCK_MEMORIES * fit.sizes.memory_s / course.dt)),
+    )
 
 
 def _rest_at_every_frame(exact: Smoothed, course: Course) -> Floats:

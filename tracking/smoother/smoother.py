@@ -19,7 +19,7 @@ from tracking.model.clocks import ClockSearch
 from tracking.model.course import Course, course_of
 from tracking.model.expected_readings import room_of
 from tracking.model.initial_state import MountingPrior, start_state
-from tracking.model.observation import Observation, channels_alike, observation_of
+from tracking.model.observation import Observation, channels_alike, observation_of, other_clocks
 from tracking.model.process_noise import SMOOTHER_PUSH_STD, alarm_limit
 from tracking.model.readings import Readings
 from tracking.model.regression_calibration import acceleration_noise, calm
@@ -63,7 +63,7 @@ class Smoother:
         self, arm: Arm, q: Floats, given: bool, mounting: MountingPrior | None = None, clocks: bool = False
     ) -> None:
         sought = mounting is not None or arm.sensor_covariance is not None
-        self.observation, self.size = observation_of(arm, sought, clocks=clocks)
+        self.observation, self.size = observation_of(arm, sought, clocks=other_clocks(arm) if clocks else ())
         self._arm, self._q, self._given = arm, q, given
         self._mounting = MountingPrior() if mounting is None else mounting
 
@@ -131,13 +131,12 @@ class Smoother:
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
         passes, converged, step, moved = 0, False, 1.0, np.inf
-        along, last = at, coarse
         room, found = room_of(n), pass_of(of, coarse, self.size)
         noise = acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged:
             x, P = x0.copy(), P0.copy()
             along = calm(at, noise, coarse.dt)
-            smooth_once(of, room, coarse, along, x, P, found, not fine)
+            smooth_once(of, room, coarse, along, x, P, found, False)
             smoothed = found.states
             if not np.isfinite(smoothed).all():
                 raise DataError(NO_MOTION)
@@ -156,12 +155,14 @@ class Smoother:
                 coarse, converged, moved = coarser(course, stride), False, np.inf
             if progress is not None:
                 progress(passes)
+        along = calm(at, noise, coarse.dt)
+        last = coarse
         if fine:
-            along = finer(calm(at, noise, coarse.dt), len(states), stride)
-            found = pass_of(of, course, self.size)
-            x, P = x0.copy(), P0.copy()
-            smooth_once(of, room, course, along, x, P, found, True)
-            at, last = found.states, course
+            along = finer(along, len(states), stride)
+            found, last = pass_of(of, course, self.size), course
+        x, P = x0.copy(), P0.copy()
+        smooth_once(of, room, last, along, x, P, found, True)
+        at = found.states
         near, late = is_near(of, x - x0, P0), clocks.found(x, P)
         if until is not None:
             x, P = state_before(until, of, last, along, x0, P0)

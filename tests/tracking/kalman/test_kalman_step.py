@@ -20,7 +20,7 @@ from tracking.kalman.kalman_step import (
 )
 from tracking.model.course import Course
 from tracking.model.expected_readings import observe, room_of
-from tracking.model.observation import Observation, observation_of
+from tracking.model.observation import Observation, observation_of, other_clocks
 
 DT, MEMORY_S = 0.01, 0.3
 KINDS = ["plain", "AC-coupled", "corner sought", "base and lack", "clocks"]
@@ -35,7 +35,8 @@ class Case:
             sensors = [replace(s, highpass_hz=2.0 * (k % 2)) for k, s in enumerate(arm.sensors)]
             arm = replace(arm, sensors=tuple(sensors))
         lacking = kind == "base and lack"
-        self.of, size = observation_of(arm, kind == "corner sought", lacking, lacking, kind == "clocks")
+        clocks = other_clocks(arm) if kind == "clocks" else ()
+        self.of, size = observation_of(arm, kind == "corner sought", lacking, lacking, clocks)
         n, n_channel = arm.n_joint, arm.n_channel
         self.n, self.size, self.n_channel = n, size, n_channel
         present, rest = np.ones(3, dtype=np.bool_), np.zeros((3, n))

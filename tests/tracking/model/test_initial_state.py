@@ -96,9 +96,10 @@ def test_an_arm_that_moves_does_not_show_its_angles(vertical):
 
 
 def test_a_length_is_as_well_known_as_the_file_says(dd_arm):
+    """To a third of itself, and of no less than a decimetre, if it says nothing."""
     of, x, P = started(dd_arm, at_rest(dd_arm, Q))
     a, d = of.length_column[0, 0], of.length_column[1, 1]
-    assert np.sqrt(P[a, a]) == pytest.approx(0.25) and np.sqrt(P[d, d]) == pytest.approx(0.1)
+    assert np.sqrt(P[a, a]) == pytest.approx(0.25 / 3.0) and np.sqrt(P[d, d]) == pytest.approx(0.1 / 3.0)
     measured = replace(dd_arm, joints=tuple(replace(j, length_std_m=1e-3) for j in dd_arm.joints))
     assert np.sqrt(np.diag(started(measured, at_rest(dd_arm, Q))[2])[[a, d]]) == pytest.approx(1e-3)
     np.testing.assert_array_equal(x[[a, d]], 0.0)

@@ -20,7 +20,7 @@ def fit_of(arm: Arm, seed: int, memory_s: float) -> DiscrepancyFit:
     readings = case(arm, seed, lack=0.3).readings
     course = course_of(readings, 2)._replace(push=np.full(2, SMOOTHER_PUSH_STD**2))
     own = observation_of(arm)[1]
-    of, size = observation_of(arm, lack=True, clocks=True)
+    of, size = observation_of(arm, lack=True)
     start = start_state(arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
     return DiscrepancyFit(arm, of, size, course, memory_s, start, Begin(None, departure(of, course)), own)
 
@@ -93,3 +93,19 @@ def test_before_the_first_reading_what_is_lacking_is_as_large_as_ever(dd_arm: Ar
     np.testing.assert_allclose(P, np.diag(expected))
     np.testing.assert_array_equal(x, start[0])
     np.testing.assert_array_equal(start[1], 7.0 * np.eye(size))
+
+
+def test_clocks_are_let_go_of_a_fit_that_has_had_all_its_rounds(vertical_arm: Arm) -> None:
+    """It goes on from its motion and its sizes, for some more rounds."""
+    fit = fit_of(vertical_arm, 1, 0.1)
+    while fit.rounds < 30:
+        fit.advance()
+    assert fit.is_done
+    readings, before_s = case(vertical_arm, 1, lack=0.3).readings, fit.sizes.lack_std
+    of, size = observation_of(vertical_arm, lack=True, clocks=(1, 3))
+    start = start_state(vertical_arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
+    fit.let_go(of, size, start)
+    assert not fit.is_done and fit.clocks.late_s.tolist() == [0.0] * 4
+    fit.advance()
+    assert fit.found.states.shape == (len(readings.values), size) and np.isfinite(fit.found.states).all()
+    assert fit.sizes.lack_std == pytest.approx(before_s, rel=0.1)

@@ -1,0 +1,54 @@
+"""Clocks that differ: what blocks say adds up to what all readings say, and what speaks for few is refused."""
+
+import numpy as np
+import pytest
+
+from tracking.smoother.clock_evidence import ClockSlopes, accepted, clock_slopes
+
+PRIOR_S = 0.03
+
+
+def slopes_of(late: np.ndarray, information: float = 1e6) -> ClockSlopes:
+    """Return slopes of blocks (n_block, n_clock) that each show another lateness [s], all as well."""
+    n_block, n_clock = late.shape
+    each = np.tile(information / n_block * np.eye(n_clock), (n_block, 1, 1))
+    return ClockSlopes(np.einsum("bij,bj->bi", each, late), each, PRIOR_S)
+
+
+def test_readings_without_any_motion_say_what_a_line_does() -> None:
+    """White noise about -c drift: least squares, block by block."""
+    rng, noise, late = np.random.default_rng(0), 0.02, 0.01
+    drift = rng.standard_normal((100, 1, 3))
+    readings = -late * drift + noise * rng.standard_normal(drift.shape)
+    precision = np.full(drift.shape, noise**-2)
+    covariance = np.array([[1.0 / (np.sum(drift**2) / noise**2 + PRIOR_S**-2)]])
+    found = clock_slopes(readings / noise**2, precision, drift, covariance, PRIOR_S, 30)
+    assert found.gradient.shape == (3, 1)  # the last 40 instants are one block
+    np.testing.assert_allclose(found.information[0, 0, 0], np.sum(drift[:30] ** 2) / noise**2, rtol=1e-9)
+    estimate = covariance[0, 0] * found.gradient.sum()
+    assert abs(estimate - late) < 4.0 * np.sqrt(covariance[0, 0])
+    assert accepted(found) == [0]
+
+
+def test_a_clock_that_all_blocks_show_is_accepted_and_others_are_not() -> None:
+    late = np.column_stack([np.zeros(8), np.full(8, 0.005), np.full(8, -0.0001)])
+    assert accepted(slopes_of(late)) == [1]
+
+
+def test_a_clock_that_one_block_shows_is_refused() -> None:
+    """The others foretell nothing of that one, and are spoilt by it."""
+    late = np.zeros((8, 1))
+    late[3] = 0.04
+    whole = slopes_of(late)
+    assert whole.gradient.sum() ** 2 / whole.information.sum() / 2.0 > 10.0  # by itself it would be believed
+    assert accepted(whole) == []
+
+
+def test_one_block_foretells_nothing() -> None:
+    assert accepted(slopes_of(np.full((1, 2), 0.01))) == []
+
+
+@pytest.mark.parametrize(("late_s", "kept"), [(0.0035, []), (0.006, [0])])
+def test_the_odds_must_be_a_hundred_to_one(late_s: float, kept: list[int]) -> None:
+    """Known to 1 ms by a prior of 30 ms, 3.5 ms are 2.7 nats and 6 ms are 14.6."""
+    assert accepted(slopes_of(np.full((8, 1), late_s))) == kept
