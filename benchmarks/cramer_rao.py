@@ -28,6 +28,7 @@ from arm.counts import COUNT_M_S2
 from arm.model import Arm, Floats
 from tracking.model.course import course_of
 from tracking.model.expected_readings import room_of
+from tracking.model.first_rest import resting
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.noise import Noise
 from tracking.model.observation import Observation, observation_of
@@ -82,7 +83,7 @@ def least_std(
     variance = np.full(n_channel, errors.noise_m_s2**2 + COUNT_M_S2**2 / 12.0)
     readings = Readings(values, dt_s, factor // 2 * dt_s / factor, Noise(variance, np.zeros(n_channel)), factor)
     held = observation_of(arm, mountings)[0]
-    x, P = start_state(arm, held, size, readings.first_mean, True, q[0], given, MountingPrior())
+    x, P = start_state(arm, held, size, resting(readings.first_mean), q[0], given, MountingPrior())
     jumps = np.abs(np.diff(ddq, axis=0, prepend=ddq[:1]))
     course = course_of(readings, n)._replace(
         push=np.full(n, SMOOTHER_PUSH_STD**2),

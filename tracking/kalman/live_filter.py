@@ -14,12 +14,12 @@ from tracking.kalman.extended_kalman import CompiledKalmanFilter
 from tracking.kalman.forward_filter import jolt_of
 from tracking.kalman.kalman_step import spread
 from tracking.model.expected_readings import observe, room_of
-from tracking.model.initial_state import RESTING_SPEED_STD, MountingPrior, start_state
+from tracking.model.first_rest import RESTING_SPEED_STD, first_readings
+from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.innovation_test import Consistency, Judge
 from tracking.model.noise import Noise
 from tracking.model.observation import observation_of
 from tracking.model.process_noise import FILTER_PUSH_STD, SMOOTHER_PUSH_STD, WANDER_STD, alarm_limit
-from tracking.model.readings import steady
 from tracking.model.zero_velocity import TO_LEAVE, at_rest, rest_variance, unrest, window_frames, window_of
 
 
@@ -58,8 +58,7 @@ class LiveFilter:
         n, n_channel = arm.n_joint, arm.n_channel
         of, size = observation_of(arm, arm.sensor_covariance is not None)
         self._of, self._room, self._n, self._n_channel = of, room_of(n), n, n_channel
-        rests = steady(first, dt_s, noise, factor)
-        x, P = start_state(arm, of, size, first.mean(axis=0), rests, q, given, MountingPrior())
+        x, P = start_state(arm, of, size, first_readings(first, dt_s, noise, factor), q, given, MountingPrior())
         # Readings show a speed by its square: who linearises once, at zero, learns nothing of it and begins slow.
         speeds = np.arange(1, 3 * n, 3)
         P[speeds, speeds] = RESTING_SPEED_STD**2

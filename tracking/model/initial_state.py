@@ -6,6 +6,7 @@ import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance, Vector3
 from tracking.model.expected_readings import observe, room_of
+from tracking.model.first_rest import MOVING_STDS, FirstReadings, begin_stds
 from tracking.model.gravity_length import LEAST_OFFSET_STD, MOST_OFFSET_STD, OFFSET_MARGIN
 from tracking.model.observation import ABSENT, GYRO_SCALE_NAMES, MOUNTING, MOUNTING_NAMES, Observation
 
@@ -20,13 +21,6 @@ _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 #: An angle that is the zero by definition [rad or m]: as little as keeps a covariance from being singular.
 _EXACT_STD = 1e-5
-#: Speed and acceleration of an arm that is taken to rest at first [rad/s, rad/s^2; or m/s, m/s^2]: about half a
-#: degree a second, conventions.
-RESTING_SPEED_STD = 1e-2
-_RESTING_STDS = RESTING_SPEED_STD, 0.05
-#: And of one that moves at first. Joints of robots turn at up to 3 rad/s (data sheets of UR5e, LBR iiwa), elbows
-#: at up to 20 rad/s in a throw, four times this; it takes half a second to get there.
-_MOVING_STDS = 5.0, 10.0
 #: A length that the arm file does not say the accuracy of is held to a share of itself, of this at the least [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.
@@ -61,8 +55,7 @@ def start_state(
     arm: Arm,
     of: Observation,
     size: int,
-    first: Floats,
-    steady: bool,
+    first: FirstReadings,
     q: Floats,
     given: bool,
     mounting: MountingPrior,
@@ -74,16 +67,14 @@ def start_state(
     arm : Arm
     of, size
         As from `tracking.model.observation.observation_of`.
-    first : (n_channel,)
-        Mean of the first readings.
-    steady : bool
-        They stayed what they are, so the arm rests; if not, little is known of its speeds and accelerations.
+    first : FirstReadings
+        They say how fast the arm may be.
     q : (n_joint,)
         Where the arm is when tracking begins.
     given : bool
-        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle and the arm rests.
-        Angles that gravity does not show of an arm at rest are ``q`` by definition; of an arm that moves only
-        those that no motion shows.
+        Somebody measured ``q``; otherwise gravity is asked first, as far as it shows an angle and readings do not
+        change. Angles that gravity does not show of an arm at rest are ``q`` by definition; of an arm that moves
+        only those that no motion shows.
     mounting : MountingPrior
 
     Returns
@@ -99,24 +90,27 @@ def start_state(
     offset = slice(3 * n, 3 * n + 3 * of.link.size)
     x[offset] = np.array(bias, dtype=float).ravel()
     offset_std = _offset_std(of)
-    x[: 3 * n : 3] = _level(of, x, first, offset_std, q) if steady and not given else q
+    x[: 3 * n : 3] = q if given else _level(of, x, first.mean, np.hypot(offset_std, first.change), q)
     reading, slope = _read(of, x)
     lasting = ~coupled & ~turning
-    left, free = (first - reading)[lasting], np.count_nonzero(lasting) - n
-    if steady and free > 0:
+    left, free = (first.mean - reading)[lasting], np.count_nonzero(lasting) - n
+    if first.steady and free > 0:
         usual = np.sqrt(np.sum(left**2) / free)
         offset_std[lasting] = np.clip(OFFSET_MARGIN * usual, LEAST_OFFSET_STD, MOST_OFFSET_STD)
-    x[offset] += np.where(coupled, first - reading, 0.0)
-    if not steady:
+    x[offset] += np.where(coupled, first.mean - reading, 0.0)
+    speed_std, acceleration_std = begin_stds(first, slope[:, : 3 * n : 3])
+    if not first.steady:
         slope = _in_motion(of, x)
     # a motion shows an angle by how readings change, whatever an AC-coupled sensor stands at
-    told_to = offset_std if steady else np.minimum(offset_std, _OFFSET_STD)
-    unshown = GIVEN_STD if given and not steady else _EXACT_STD  # it was measured some time before the first frame
+    told_to = offset_std if first.steady else np.minimum(offset_std, _OFFSET_STD)
+    unshown = (
+        GIVEN_STD if given and not first.steady else _EXACT_STD
+    )  # it was measured some time before the first frame
     shown = GIVEN_STD if given else GUESSED_STD
     P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / told_to[:, None], shown, unshown)
     std = np.zeros(size)
     std[offset] = offset_std
-    std[1 : 3 * n : 3], std[2 : 3 * n : 3] = _RESTING_STDS if steady else _MOVING_STDS
+    std[1 : 3 * n : 3], std[2 : 3 * n : 3] = speed_std, acceleration_std
     for joint, columns in zip(arm.joints, of.length_column, strict=True):
         for length, column in zip((joint.a_m, joint.d_m), columns, strict=True):
             if column != ABSENT:
@@ -125,7 +119,7 @@ def start_state(
     for s in range(n_sensor):
         if of.settled_column[s] != ABSENT:
             settled = slice(of.settled_column[s], of.settled_column[s] + 3)
-            x[settled], std[settled] = first[3 * s : 3 * s + 3], _SETTLED_STD
+            x[settled], std[settled] = first.mean[3 * s : 3 * s + 3], _SETTLED_STD
         if of.corner_column[s] != ABSENT:
             std[of.corner_column[s]] = _CORNER_SHARE * of.corner[s]
         if of.mounting_column[s] != ABSENT:
@@ -187,7 +181,7 @@ def _read(of: Observation, x: Floats) -> tuple[Floats, Floats]:
 def _in_motion(of: Observation, x: Floats) -> Floats:
     """Return the slopes of what is read of an arm that moves as fast as one may, (n_channel, n_state)."""
     n, moving = of.chain.revolute.size, x.copy()
-    moving[1 : 3 * n : 3], moving[2 : 3 * n : 3] = _MOVING_STDS
+    moving[1 : 3 * n : 3], moving[2 : 3 * n : 3] = MOVING_STDS
     return _read(of, moving)[1]
 
 

@@ -8,8 +8,9 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from limbcal.errors import ConfigError, DataError
 from tracking.model.decimation import Decimator
+from tracking.model.first_rest import FirstReadings, first_readings
 from tracking.model.noise import Noise, noise_of
-from tracking.model.zero_velocity import unsteadiness, window_frames, window_of
+from tracking.model.zero_velocity import window_frames
 
 #: Readings that the noise can be learnt from, at the least.
 _FEWEST = 8
@@ -46,12 +47,14 @@ class Readings:
         return there
 
     @property
+    def first(self) -> FirstReadings:
+        """Readings of the first quarter of a second."""
+        return first_readings(self.values, self.dt_s, self.noise, self.factor)
+
+    @property
     def first_mean(self) -> Floats:
         """Mean reading of the first quarter of a second, (n_channel,)."""
-        cell, n_cell = window_frames(self.dt_s)
-        there = self.values[: cell * n_cell][self.present[: cell * n_cell]]
-        mean: Floats = there.mean(axis=0)
-        return mean
+        return self.first.mean
 
     @property
     def begins_in_motion(self) -> bool:
@@ -63,25 +66,7 @@ class Readings:
     @property
     def begins_steadily(self) -> bool:
         """Whether the readings of the first quarter of a second stay what they are."""
-        return steady(self.values, self.dt_s, self.noise, self.factor)
-
-
-def steady(values: Floats, dt_s: float, noise: Noise, factor: int) -> bool:
-    """Return whether the first readings of a recording stay what they are, as those of an arm at rest do.
-
-    Parameters
-    ----------
-    values : (n, n_channel)
-    dt_s, noise, factor
-        As in `Readings`.
-    """
-    cell, n_cell = window_frames(dt_s)
-    window = window_of(n_cell, 1, noise.of_mean(factor * cell), noise.rounding)
-    needed = n_cell * cell
-    if len(values) < needed or np.isnan(values[:needed]).any():
-        return False
-    window.cells[:] = values[:needed].reshape(n_cell, cell, -1).mean(axis=1)
-    return unsteadiness(window, 0) < 1.0
+        return self.first.steady
 
 
 class ReadingsBuilder:

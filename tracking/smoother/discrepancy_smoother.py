@@ -138,8 +138,7 @@ class DiscrepancySmoother:
     def _begin(
         self, of: Observation, size: int, readings: Readings, known: Smoothed | None, previous: Smoothed | None
     ) -> tuple[Floats, Floats]:
-        first, steady = readings.first_mean, readings.begins_steadily
-        x, P = start_state(self._arm, of, size, first, steady, self._q, self._given, self._mounting)
+        x, P = start_state(self._arm, of, size, readings.first, self._q, self._given, self._mounting)
         bound_offsets(of, readings, P)
         if known is not None:
             lasting = slice(3 * self._arm.n_joint, self.size)  # clocks are of each recording

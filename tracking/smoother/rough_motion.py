@@ -65,8 +65,7 @@ def rough_motion(
         Mountings and lengths are sought within it; without it they are as the arm has them.
     """
     of, size = observation_of(arm, mountings=prior is not None)
-    first, steady = readings.first_mean, readings.begins_steadily
-    x0, P0 = start_state(arm, of, size, first, steady, q, given, prior or ROUGH)
+    x0, P0 = start_state(arm, of, size, readings.first, q, given, prior or ROUGH)
     n = arm.n_joint
     push = np.full(n, SMOOTHER_PUSH_STD**2)
     course = course_of(readings, n)._replace(push=push, rate=speed_rate(push, np.full(n, _USUAL_SPEED)))

@@ -6,6 +6,7 @@ Gauss-Newton method*, 1994). The first passes go in coarser steps, since only th
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +28,7 @@ from tracking.model.zero_velocity import WINDOW_S, window_frames, window_of
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
 from tracking.smoother.smoothed import Smoothed, is_near, mend
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
+from tracking.smoother.windows import LOOK_AHEAD_S
 
 #: Passes end when no state moves by more than this fraction of its standard deviation, a convention: what is left
 #: adds 0.04 % to its variance.
@@ -101,11 +103,12 @@ class Smoother:
             If no motion of the arm explains the readings at all.
         """
         x0, P0 = self._before(readings, known, start, previous)
-        found = self._smooth(readings, x0, P0, x0, fine, progress, until)
+        begin = x0
         if start is None and previous is None and not readings.begins_steadily:
-            # the filter knew neither how the arm moved nor where it was, and doubted what it read
-            found = self._smooth(readings, x0, P0, found.states[0], fine, progress, until)
-        return found
+            # a filter that knew neither how the arm moved nor where it was would doubt what it reads
+            some = replace(readings, values=readings.values[: round(LOOK_AHEAD_S / readings.dt_s)])
+            begin = self._smooth(some, x0.copy(), P0, x0, False, None, None).states[0]
+        return self._smooth(readings, x0, P0, begin, fine, progress, until)
 
     def _smooth(
         self,
@@ -203,9 +206,8 @@ class Smoother:
 
     def begin(self, readings: Readings) -> tuple[Floats, Floats]:
         """Return state and covariance before the first reading of a recording."""
-        first, steady = readings.first_mean, readings.begins_steadily
         return start_state(
-            self._arm, self.observation, self.size, first, steady, self._q, self._given, self._mounting
+            self._arm, self.observation, self.size, readings.first, self._q, self._given, self._mounting
         )
 
     def _filter(

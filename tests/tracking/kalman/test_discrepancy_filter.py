@@ -9,6 +9,7 @@ import pytest
 from arm.bench import Bench
 from tracking.kalman.discrepancy_filter import DiscrepancyFilter
 from tracking.model.decimation import Decimator
+from tracking.model.first_rest import resting
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.noise import Noise, noise_of
 from tracking.model.observation import observation_of
@@ -23,7 +24,7 @@ def begun(vertical_arm, recorded):
     of, size = observation_of(vertical_arm)
     readings = Decimator(FACTOR, 12).push(recording.readings[:8000])
     first = readings[:250].mean(axis=0)
-    x, P = start_state(vertical_arm, of, size, first, True, recording.q[0], True, MountingPrior())
+    x, P = start_state(vertical_arm, of, size, resting(first), recording.q[0], True, MountingPrior())
     noise = noise_of(recording.readings[:1000], RATE_HZ)
     return DiscrepancyFilter(vertical_arm, x, P, noise, FACTOR, FACTOR / RATE_HZ), readings, recording
 

@@ -28,8 +28,8 @@ def both(arm, readings, q0):
         still.append(tracker.step(reading))
         states.append(tracker.x.copy())
     smoother = Smoother(arm, q0, True)
-    of, first, steady = smoother.observation, readings.first_mean, readings.begins_steadily
-    x, P = start_state(arm, of, smoother.size, first, steady, q0, True, MountingPrior())
+    of = smoother.observation
+    x, P = start_state(arm, of, smoother.size, readings.first, q0, True, MountingPrior())
     compiled, held, _ = smoother._filter(course_of(readings, arm.n_joint), readings, x, P)
     return np.stack(states), np.array(still), compiled, held
 

@@ -12,6 +12,7 @@ from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats, Gyroscope
 from tracking.kalman.kalman_filter import KalmanTracker
 from tracking.model.expected_readings import observe, room_of
+from tracking.model.first_rest import resting
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.noise import noise_of
 from tracking.model.observation import channels_alike, observation_of, rms_alike
@@ -164,7 +165,7 @@ def test_scale_and_offset_of_a_gyroscope_are_found() -> None:
     assert kept is not None and kept.scale[2] == scale.value and kept.bias_rad_s[2] == bias.value
     assert f"{arm.sensors[0].name} gyro_scale_z" in found.arm.sensor_covariance.parameters
     of, size = observation_of(found.arm, True)
-    P = start_state(found.arm, of, size, values[:50].mean(axis=0), True, q[0], True, MountingPrior())[1]
+    P = start_state(found.arm, of, size, resting(values[:50].mean(axis=0)), q[0], True, MountingPrior())[1]
     column = of.gyro_scale_column[len(arm.sensors)] + 2
     assert np.sqrt(P[column, column]) == pytest.approx(scale.std)
 
@@ -187,7 +188,7 @@ def test_at_rest_a_gyroscope_reads_its_offset() -> None:
     arm = with_gyros(one_a_link("dd-arm-vertical"))
     of, size = observation_of(arm)
     first = np.concatenate([specific_force(arm, *np.zeros((3, 1, 2))).ravel(), np.full(6, 0.05)])
-    x, P = start_state(arm, of, size, first, True, np.zeros(2), True, MountingPrior())
+    x, P = start_state(arm, of, size, resting(first), np.zeros(2), True, MountingPrior())
     std = np.sqrt(np.diag(P))[6 : 6 + arm.n_channel]
     assert (x[6 : 6 + arm.n_channel] == 0.0).all()
     np.testing.assert_allclose(std, [0.02] * 6 + [0.1] * 6)

@@ -9,6 +9,7 @@ from scipy.optimize import least_squares
 from arm.accelerometer import specific_force
 from arm.arm_file import load_arm
 from arm.model import Arm, Joint, Sensor, SensorCovariance
+from tracking.model.first_rest import FirstReadings, resting
 from tracking.model.initial_state import GIVEN_STD, GUESSED_STD, MountingPrior, start_state
 from tracking.model.observation import MOUNTING, observation_of
 
@@ -29,7 +30,15 @@ def at_rest(arm, q):
 def started(arm, first, q=None, mounting=None, steady=True):
     of, size = observation_of(arm, mounting is not None)
     at = np.zeros(arm.n_joint) if q is None else q
-    return of, *start_state(arm, of, size, first, steady, at, q is not None, mounting or MountingPrior())
+    return of, *start_state(
+        arm,
+        of,
+        size,
+        FirstReadings(first, np.full(len(first), 0.0 if steady else np.inf)),
+        at,
+        q is not None,
+        mounting or MountingPrior(),
+    )
 
 
 def test_gravity_shows_the_angles_of_an_upright_arm(vertical):
@@ -212,7 +221,7 @@ def test_gravity_s_angles_are_the_most_probable_ones(vertical, gravity, seed):
         return np.concatenate([(at_rest(arm, q) - first) / 0.2, (q - guess) / 1.0])
 
     of, size = observation_of(arm, False)
-    x, _ = start_state(arm, of, size, first, True, guess, False, MountingPrior())
+    x, _ = start_state(arm, of, size, resting(first), guess, False, MountingPrior())
     expected = least_squares(misses, guess, xtol=1e-15, ftol=1e-15, gtol=1e-15).x
     np.testing.assert_allclose(x[:6:3], expected, rtol=0, atol=1e-6)
 

@@ -6,6 +6,7 @@ import pytest
 from arm.accelerometer import specific_force
 from tracking.model.course import course_of
 from tracking.model.expected_readings import room_of
+from tracking.model.first_rest import resting
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.noise import Noise
 from tracking.model.observation import observation_of
@@ -137,9 +138,9 @@ def test_noise_alone_does_not_break_a_rest(dd_arm, seed):
     readings = Readings(values, 1e-3, 5e-4, Noise(np.full(12, SIGMA**2), np.zeros(12)), 4)
     smoother = Smoother(dd_arm, POSE, True)
     of, size, first = smoother.observation, smoother.size, readings.first_mean
-    x, P = start_state(dd_arm, of, size, first, True, POSE, True, MountingPrior())
-    states, still, resting = smoother._filter(course_of(readings, 2), readings, x, P)
-    assert resting.all() and still.mean() > 0.99
+    x, P = start_state(dd_arm, of, size, resting(first), POSE, True, MountingPrior())
+    states, still, at_rest = smoother._filter(course_of(readings, 2), readings, x, P)
+    assert at_rest.all() and still.mean() > 0.99
     assert np.abs(states[:, [1, 4]]).max() < 0.02
 
 

@@ -10,6 +10,7 @@ from arm.model import Arm, Gyroscope
 from tests.tracking.smoother.test_discrepancy_smoother import case
 from tracking.model.course import course_of
 from tracking.model.discrepancy import Discrepancy
+from tracking.model.first_rest import resting
 from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.observation import observation_of
 from tracking.model.process_noise import SMOOTHER_PUSH_STD
@@ -21,7 +22,7 @@ def fit_of(arm: Arm, seed: int, memory_s: float) -> DiscrepancyFit:
     course = course_of(readings, 2)._replace(push=np.full(2, SMOOTHER_PUSH_STD**2))
     own = observation_of(arm)[1]
     of, size = observation_of(arm, lack=True)
-    start = start_state(arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
+    start = start_state(arm, of, size, resting(readings.first_mean), np.zeros(2), True, MountingPrior())
     return DiscrepancyFit(arm, of, size, course, memory_s, start, Begin(None, departure(of, course)), own)
 
 
@@ -103,7 +104,7 @@ def test_clocks_are_let_go_of_a_fit_that_has_had_all_its_rounds(vertical_arm: Ar
     assert fit.is_done
     readings, before_s = case(vertical_arm, 1, lack=0.3).readings, fit.sizes.lack_std
     of, size = observation_of(vertical_arm, lack=True, clocks=(1, 3))
-    start = start_state(vertical_arm, of, size, readings.first_mean, True, np.zeros(2), True, MountingPrior())
+    start = start_state(vertical_arm, of, size, resting(readings.first_mean), np.zeros(2), True, MountingPrior())
     fit.let_go(of, size, start)
     assert not fit.is_done and fit.clocks.late_s.tolist() == [0.0] * 4
     fit.advance()
