@@ -151,9 +151,11 @@ def _warn(run: RawRun, arm: Arm, part: Tracked) -> None:
             f"{'late' if verdict.late_s > 0.0 else 'early'} against the first sensor's; the motion allows for that"
         )
     if not run.after_leap and verdict.converged is False:
+        # what the model lacks is learnt beginning with what gravity shows, whatever angles were given
+        start = ", or say by --initial-q where it rests at the start" if verdict.discrepancy_m_s2 is None else ""
         say(
             f"warning: {run.name}: after {verdict.passes} passes the motion still changes; check the arm's "
-            "lengths, or say by --initial-q where it rests at the start"
+            f"lengths{start}"
         )
 
 

@@ -120,7 +120,10 @@ def track_run(
     row = np.clip(np.searchsorted(run.t, t, side="right") - 1, 0, len(run.t) - 1)
     if run.ref is not None:
         columns["ref"] = run.ref[row]
-    columns["trial"] = run.trial[row] if run.trial is not None else trials_of(t, motion.phases)
+    if run.trial is not None:
+        columns["trial"] = run.trial[row]
+    else:
+        columns["trial"], notes = trials_of(t, motion.phases), (*notes, *parted(motion.phases))
     true = true_angles(run, t)
     known = np.zeros(len(t), dtype=np.bool_) if true is None else np.isfinite(true).all(axis=1)
     if true is None or not known.any():
@@ -152,6 +155,14 @@ def beginning(run: RawRun, frame_rate_hz: float, method: Method) -> tuple[Note, 
     else:
         text += f"--method {method} begins at rest, do not rely on its angles; expected --method smooth, or a rest"
     return (Note("moving", text, from_s=float(run.t[0])),)
+
+
+def parted(phases: list[Phase]) -> tuple[Note, ...]:
+    """Return what there is to say where rests part a recording without labels into trials."""
+    motions = sum(phase.kind == "begin" for phase in phases)
+    if motions < 2:
+        return ()
+    return (Note("parted", f"trials parted by rests: {motions} motions, each with the rest before it"),)
 
 
 def true_angles(run: RawRun, t: Floats) -> Floats | None:

@@ -19,13 +19,12 @@ def exact_motions(
     prior: MountingPrior,
     progress: Callable[[int], None] | None,
 ) -> list[Smoothed]:
-    """Return the motions of an exact arm whose sensors' clocks agree, or if that does not explain them, differ."""
-    found: list[Smoothed] = []
-    for clocks in (False, True):
-        found = _exact(arm, runs, q, given, prior, clocks, progress)
-        if not found or explained(found, runs):
-            break
-    return found
+    """Return the motions of an exact arm whose sensors' clocks agree, or if only that explains them, differ."""
+    found = _exact(arm, runs, q, given, prior, False, progress)
+    if not found or explained(found, runs):
+        return found
+    late = _exact(arm, runs, q, given, prior, True, progress)
+    return late if explained(late, runs) else found
 
 
 def _exact(
@@ -42,7 +41,7 @@ def _exact(
     try:
         for readings in runs:
             known = found[-1] if found else None
-            found.append(exact.smooth(readings, fine=False, known=known, progress=progress))
+            found.append(exact.smooth(readings, fine=False, known=known, progress=progress, explaining=clocks))
             if not found[-1].is_exact:
                 break
     except DataError:

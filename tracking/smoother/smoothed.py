@@ -10,7 +10,7 @@ from arm.model import Floats
 from tracking.model.clocks import Clocks
 from tracking.model.course import Course
 from tracking.model.discrepancy import Discrepancy
-from tracking.model.observation import ABSENT, MOUNTING, Observation
+from tracking.model.observation import ABSENT, MOUNTING, Observation, channels_alike
 from tracking.smoother.smoothing_pass import Pass
 
 #: Noise is known to a tenth (`tracking.model.noise`), so no more variance than this multiple of its own is noise.
@@ -151,6 +151,16 @@ class Smoothed:
         sums = np.add.reduceat(self.found.error[: blocks[-1] + length, channels], blocks, axis=0)
         expected = np.add.reduceat(self.found.precision[: blocks[-1] + length, channels], blocks, axis=0)
         return sums**2, expected
+
+
+def contradicted(of: Observation, course: Course, found: Pass) -> bool:
+    """Return whether a pass leaves more of the readings of any kind of sensor than their noise.
+
+    A reading of variance R leaves R u, whose variance is less than R where the arm is right.
+    """
+    squares = course.noise * course.doubt * found.error[:, : course.noise.size] ** 2
+    there = squares[course.present]
+    return any(float(there[:, part].mean()) > NOISE_VARIANCE_TOLERANCE for part in channels_alike(of))
 
 
 def is_near(of: Observation, moved: Floats, P0: Floats) -> bool:

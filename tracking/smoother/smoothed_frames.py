@@ -96,7 +96,7 @@ def _found(
         mounting, clocks = departures[k]
         smoother = Smoother(arm, q, given, mounting, clocks)
         try:
-            found = smoother.smooth(readings, previous=last, until=until)
+            found = smoother.smooth(readings, previous=last, until=until, explaining=exact is not None)
         except DataError:
             break
         if found.is_exact:

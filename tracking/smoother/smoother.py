@@ -26,7 +26,7 @@ from tracking.model.readings import Readings
 from tracking.model.regression_calibration import acceleration_noise, calm
 from tracking.model.zero_velocity import WINDOW_S, window_frames, window_of
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
-from tracking.smoother.smoothed import Smoothed, is_near, mend
+from tracking.smoother.smoothed import Smoothed, contradicted, is_near, mend
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
 from tracking.smoother.windows import LOOK_AHEAD_S
 
@@ -37,6 +37,9 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
 _TOO_LITTLE = 0.7
+#: A motion that is only wanted if it explains the readings is given up after so many passes that get no nearer and
+#: leave more of them than noise, a convention.
+_IN_VAIN = 4
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
 NO_MOTION = (
@@ -78,6 +81,7 @@ class Smoother:
         progress: Callable[[int], None] | None = None,
         previous: Smoothed | None = None,
         until: int | None = None,
+        explaining: bool = False,
     ) -> Smoothed:
         """Return the most probable motion.
 
@@ -96,6 +100,9 @@ class Smoother:
             Of the recording that this one follows at once, in whatever motion.
         until : int, optional
             The frame before which the state is wanted that another recording goes on from; by default the last.
+        explaining : bool
+            The motion is wanted only if it explains the readings: give up once it is seen not to, maybe after the
+            first seconds.
 
         Raises
         ------
@@ -107,8 +114,11 @@ class Smoother:
         if start is None and previous is None and not readings.begins_steadily:
             # a filter that knew neither how the arm moved nor where it was would doubt what it reads
             some = replace(readings, values=readings.values[: round(LOOK_AHEAD_S / readings.dt_s)])
-            begin = self._smooth(some, x0.copy(), P0, x0, False, None, None).states[0]
-        return self._smooth(readings, x0, P0, begin, fine, progress, until)
+            first = self._smooth(some, x0.copy(), P0, x0, False, None, None, explaining)
+            if explaining and contradicted(self.observation, first.course, first.found):
+                return replace(first, converged=False)  # what does not explain a part explains no whole
+            begin = first.states[0]
+        return self._smooth(readings, x0, P0, begin, fine, progress, until, explaining)
 
     def _smooth(
         self,
@@ -119,6 +129,7 @@ class Smoother:
         fine: bool,
         progress: Callable[[int], None] | None,
         until: int | None,
+        explaining: bool,
     ) -> Smoothed:
         """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere."""
         of, arm, n = self.observation, self._arm, self._arm.n_joint
@@ -133,10 +144,10 @@ class Smoother:
         coarse, at = coarser(course, stride), every(states, stride)
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
-        passes, converged, step, moved = 0, False, 1.0, np.inf
+        passes, converged, step, moved, in_vain = 0, False, 1.0, np.inf, 0
         room, found = room_of(n), pass_of(of, coarse, self.size)
         noise = acceleration_noise(of, room, coarse, at)
-        while passes < _PASSES and not converged:
+        while passes < _PASSES and not converged and in_vain < _IN_VAIN:
             x, P = x0.copy(), P0.copy()
             along = calm(at, noise, coarse.dt)
             smooth_once(of, room, coarse, along, x, P, found, False)
@@ -148,6 +159,7 @@ class Smoother:
             passes, converged = passes + 1, moved < _CLOSE_ENOUGH
             if passes > 2 and moved > _TOO_LITTLE * before:  # it swings about the answer: go half the way
                 step = max(0.25, 0.5 * step)
+                in_vain += explaining and contradicted(of, coarse, found)
             if converged:
                 step = 1.0
             at = at + step * (smoothed - at)
@@ -158,8 +170,7 @@ class Smoother:
                 coarse, converged, moved = coarser(course, stride), False, np.inf
             if progress is not None:
                 progress(passes)
-        along = calm(at, noise, coarse.dt)
-        last = coarse
+        along, last = calm(at, noise, coarse.dt), coarse
         if fine:
             along = finer(along, len(states), stride)
             found, last = pass_of(of, course, self.size), course

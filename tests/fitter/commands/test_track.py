@@ -2,15 +2,18 @@
 
 import json
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from arm.arm_file import save_arm
+from arm.arm_file import load_arm, save_arm
 from arm.model import Arm, Joint, Sensor
 from fitter.__main__ import main
+from fitter.commands.track import _warn
 from fitter.data.motion_file import write_motion
 from fitter.data.trials import load_trials
+from fitter.sensing.verdict import Verdict
 from protocol.message import RAW, encode
 from protocol.recording import RecordingWriter
 
@@ -216,3 +219,14 @@ def test_words_only_where_no_document_is_asked_for(two_seconds, tmp_path, capfd)
     assert main([*arguments, "--json"]) == 0
     out, _ = capfd.readouterr()
     assert json.loads(out)["trials"] == 1
+
+
+@pytest.mark.parametrize(("lacks", "advised"), [(None, True), (0.3, False)])
+def test_a_start_is_advised_only_where_it_would_count(capfd, lacks, advised):
+    """The motion of an arm that lacks something begins with what gravity shows."""
+    verdict = Verdict(doubted=0.0, wrong=False, passes=30, converged=False, discrepancy_m_s2=lacks)
+    run, part = SimpleNamespace(name="day", after_leap=False), SimpleNamespace(verdict=verdict)
+    _warn(run, load_arm("dd-arm"), part)
+    said = capfd.readouterr().err.replace("\n", " ")
+    assert "after 30 passes the motion still changes" in said
+    assert ("--initial-q" in said) is advised

@@ -11,7 +11,7 @@ from arm.gyroscope import angular_velocity
 from arm.kinematics import tip_position
 from fitter.data.gaps import Gap
 from fitter.data.raw import RawRun
-from fitter.sensing.track import beginning, track_run, trials_of, true_angles
+from fitter.sensing.track import beginning, parted, track_run, trials_of, true_angles
 from fitter.sensing.verdict import Verdict
 from limbcal.errors import ConfigError
 from tracking.model.frames import Phase
@@ -74,9 +74,20 @@ def test_nothing_is_scored_where_truth_is_lost() -> None:
 def test_a_recording_that_begins_in_motion_is_noted(start, short_run, method, said):
     fast = slice(int(np.argmax(np.abs(short_run.truth["dq"][:8000]).max(axis=1))), None)
     cut = replace(start, t=start.t[fast], a=start.a[fast], q=start.q[fast], ref=None)
-    (note,) = track_run(cut, short_run.arm, cut.q[0], 250.0, method).notes
+    notes = track_run(cut, short_run.arm, cut.q[0], 250.0, method).notes
+    (note,) = (note for note in notes if note.kind != "parted")
     assert note.kind == "moving" and said in note.text and note.from_s == cut.t[0]
-    assert track_run(start, short_run.arm, np.zeros(2), 250.0, "integrate").notes == ()
+    assert {note.kind for note in track_run(start, short_run.arm, np.zeros(2), 250.0, "integrate").notes} == {
+        "parted"
+    }
+
+
+def test_a_recording_that_rests_part_is_noted_unless_it_has_labels(start, short_run):
+    (note,) = track_run(start, short_run.arm, np.zeros(2), 250.0, "integrate").notes
+    assert note.kind == "parted" and "trials parted by rests: 2 motions" in note.text
+    labels = short_run.trial[: len(start.t)]
+    assert track_run(replace(start, trial=labels), short_run.arm, np.zeros(2), 250.0, "integrate").notes == ()
+    assert parted([Phase("begin", 0, 1), Phase("end", 5, 1)]) == ()
 
 
 def test_targets_are_the_ones_held_at_each_frame(tracked, run):

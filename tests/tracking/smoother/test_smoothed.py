@@ -1,13 +1,15 @@
 """What a smoother begins with and ends with: a course of which nothing is known, rests let go of, variances."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
+from arm.model import Gyroscope
 from tests.tracking.model.test_clocks import felt, read
 from tracking.model.observation import observation_of
-from tracking.smoother.smoothed import is_near, mend
+from tracking.smoother.smoothed import contradicted, is_near, mend
 from tracking.smoother.smoother import Smoother, release
 
 NAN = np.nan
@@ -66,3 +68,15 @@ def test_a_summary_keeps_what_was_found_and_no_frames(dd_arm):
     frames = [summary.states, summary.along, summary.still, summary.resting, *summary.found]
     frames += [getattr(summary.course, name) for name in ("readings", "present", "jolt", "doubt", "rest", "drift")]
     assert [one.size for one in frames] == [0] * len(frames)
+
+
+@pytest.mark.parametrize(("size", "beyond"), [(1.05, False), (1.15, True)])
+def test_readings_contradict_what_leaves_more_of_them_than_their_noise(dd_arm, size, beyond):
+    """Of either kind of sensor; what was lost does not count."""
+    arm = replace(dd_arm, sensors=(replace(dd_arm.sensors[0], gyroscope=Gyroscope()), *dd_arm.sensors[1:]))
+    of, noise = observation_of(arm)[0], np.full(15, 0.25)
+    error, there = np.full((20, 17), 2.0), np.arange(20) < 18
+    error[:, 12:15] *= size
+    error[18:] = 100.0
+    course = SimpleNamespace(noise=noise, doubt=np.ones((20, 15)), present=there)
+    assert contradicted(of, course, SimpleNamespace(error=error)) == beyond

@@ -134,13 +134,16 @@ def test_what_departs_least_is_found_and_gone_on_with(monkeypatch, dd_arm, k):
     tries = Tries(monkeypatch, exact=ORDER[k:])
     found = _found(dd_arm, None, np.zeros(2), True)
     assert [kind for kind, _ in tries.seen] == ORDER[: k + 1]
-    assert tries.seen[-1][1] == {"previous": None, "until": None}
+    assert tries.seen[-1][1] == {"previous": None, "until": None, "explaining": k > 0}
     assert (found.departure, found.smoothed.kind) == (k, ORDER[k])
     rough = ORDER[k].startswith("rough")
     assert found.smoothed.mounted_elsewhere == (("elsewhere", "observation", "final") if rough else None)
     tries.seen.clear()
     after = _found(dd_arm, None, np.zeros(2), True, found, 70)
-    assert tries.seen == [(ORDER[k], {"previous": found.smoothed, "until": 70})] and after.departure == k
+    assert (
+        tries.seen == [(ORDER[k], {"previous": found.smoothed, "until": 70, "explaining": False})]
+        and after.departure == k
+    )
     assert not tries.robust
 
 

@@ -1,5 +1,6 @@
 """How passes come to their end, where each is a line through the answer; and what a recording begins with."""
 
+from dataclasses import dataclass
 from types import SimpleNamespace
 
 import numpy as np
@@ -12,6 +13,17 @@ from tracking.smoother.smoother import Smoother, state_before
 RATE_HZ, STD = 250.0, 2.0
 
 
+@dataclass(frozen=True)
+class Found:
+    """What stands for a smoothed motion."""
+
+    states: np.ndarray
+    begin: float
+    course: None
+    found: None
+    converged: bool
+
+
 @pytest.fixture
 def passes(level_bench, decimated, monkeypatch):
     """Return what smooths where every pass leaves a share of what it begins off by, in units of claims."""
@@ -19,7 +31,7 @@ def passes(level_bench, decimated, monkeypatch):
     readings = module.Readings(whole.values[:200], whole.dt_s, whole.t0_s, whole.noise, whole.factor)
     smoother, counted, turns, reported = Smoother(level_bench.arm, np.zeros(2), True), [], {}, []
 
-    def smoothed(share, off, fine=False):
+    def smoothed(share, off, fine=False, explaining=False):
         def away(by):
             at = np.zeros((50, smoother.size))
             at[7, 4] = STD * by
@@ -38,7 +50,7 @@ def passes(level_bench, decimated, monkeypatch):
         monkeypatch.setattr(module, "smooth_once", once)
         monkeypatch.setattr(module, "calm", lambda at, *_: at)
         monkeypatch.setattr(module, "unwound", unwound)
-        found = smoother.smooth(readings, fine, progress=counted.append)
+        found = smoother.smooth(readings, fine, progress=counted.append, explaining=explaining)
         assert counted == list(range(1, found.passes + 1))
         counted.clear()
         return found
@@ -66,6 +78,43 @@ def test_thirty_passes_are_enough(passes, share):
     """The steps are no shorter than a quarter, which takes from the one too little and throws the other over."""
     found = passes(share, 1.0)
     assert not found.converged and found.passes == 30
+
+
+@pytest.mark.parametrize(
+    ("explaining", "against", "expected"), [(True, True, 6), (True, False, 30), (False, True, 30)]
+)
+def test_a_motion_that_explains_nothing_is_given_up_after_four_passes_in_vain(
+    passes, monkeypatch, explaining, against, expected
+):
+    """The third pass is the first that can be seen to get no nearer."""
+    monkeypatch.setattr(module, "contradicted", lambda *_: against)
+    found = passes(-7.0, 1.0, explaining=explaining)
+    assert not found.converged and found.passes == expected
+
+
+@pytest.mark.parametrize(("explaining", "against"), [(True, True), (True, False), (False, True)])
+def test_what_does_not_explain_the_first_seconds_is_not_asked_for_more(
+    level_bench, decimated, monkeypatch, explaining, against
+):
+    """Of a recording that begins in motion, of which the first ten seconds are smoothed first."""
+    whole = decimated(level_bench, RATE_HZ)
+    begin = int(np.argmax(np.ptp(whole.values[:300], axis=1))) + 60
+    values = whole.values[begin:]
+    moving = module.Readings(np.vstack([values, values[::-1]]), whole.dt_s, whole.t0_s, whole.noise, whole.factor)
+    smoother, asked = Smoother(level_bench.arm, np.zeros(2), True), []
+
+    def smoothed(readings, x0, P0, begin, *rest):
+        asked.append(len(readings.values))
+        return Found(np.full((1, 3), 7.0), begin[0], None, None, True)
+
+    monkeypatch.setattr(smoother, "_smooth", smoothed)
+    monkeypatch.setattr(module, "contradicted", lambda *_: against)
+    found = smoother.smooth(moving, explaining=explaining)
+    assert moving.begins_in_motion and asked[0] == 10 * RATE_HZ < len(moving.values)
+    if explaining and against:
+        assert len(asked) == 1 and not found.converged
+    else:
+        assert asked[1:] == [len(moving.values)] and found.begin == 7.0
 
 
 def test_steps_are_whole_again_where_a_motion_was_unwound(passes):
