@@ -70,12 +70,17 @@ class ClockSearch:
             Before the first reading, and along which readings are linearised: less by what is taken over.
         """
         left = x[self._columns].copy()
-        if not np.any(np.abs(left) > CLOCK_STEP * np.sqrt(P[self._columns, self._columns])):
+        if not np.any(np.abs(left) > CLOCK_STEP * self._std(P)):
             return False
         self.late_s[self._sought] += left
         x0[self._columns] -= left
         at[:, self._columns] -= left
         return True
+
+    def _std(self, P: Floats) -> Floats:
+        """Return how well the clocks are known; a pass that is far off may lose all digits of a covariance."""
+        std: Floats = np.sqrt(np.maximum(P[self._columns, self._columns], 0.0))
+        return std
 
     def found(self, x: Floats, P: Floats) -> Clocks | None:
         """Return by how much sensors are late: by what readings were moved, and what is left in the state."""
@@ -83,7 +88,7 @@ class ClockSearch:
             return None
         late, std = self.late_s.copy(), np.zeros(len(self.late_s))
         late[self._sought] += x[self._columns]
-        std[self._sought] = np.sqrt(P[self._columns, self._columns])
+        std[self._sought] = self._std(P)
         return Clocks(late, std)
 
 

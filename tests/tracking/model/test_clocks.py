@@ -86,6 +86,14 @@ def test_readings_are_moved_anew_from_a_tenth_of_what_is_not_known() -> None:
         assert x0.tolist() == [-left_s * anew, 0.0] and np.all(at == x0)
 
 
+def test_a_covariance_without_digits_is_of_a_clock_that_is_moved_anew() -> None:
+    sought: Any = SimpleNamespace(clock_column=np.array([ABSENT, 0]), link=np.zeros(2))
+    search, P = ClockSearch(sought, np.zeros((5, 6))), np.diag([-1e-12, 1.0])
+    assert search.take(np.array([1e-4, 0.0]), P, np.zeros(2), np.zeros((5, 2)))
+    found = search.found(np.zeros(2), P)
+    assert found is not None and found.std_s.tolist() == [0.0, 0.0]
+
+
 def test_a_clock_begins_unknown_by_a_few_packets() -> None:
     sought: Any = SimpleNamespace(clock_column=np.array([ABSENT, 0]), link=np.zeros(2))
     x, P = np.ones(2), np.ones((2, 2))
