@@ -100,13 +100,13 @@ class Fit:
     def helps(self, other: "Fit") -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under a smaller model.
 
-        Where nothing of what was added acts in them, as a push in another trial, they hardly change, either way by
-        chance: then they must not contradict it.
+        Of what acts in none of them, as a push in another trial, they say nothing: the push no longer bends the
+        base parameters, and whether the error of other trials becomes larger or smaller by that is chance.
         """
         known = {id(one) for one in other.candidate.model.hypotheses}
         added = [id(one) not in known for one in self.candidate.model.hypotheses]
         is_predicted = np.any(self.acts[added][:, np.unique(self.trial[~self.learnt])])
-        return self.held_out(other) > (0.0 if is_predicted else -EQUAL_SIGMAS)
+        return not is_predicted or self.held_out(other) > 0.0
 
     def held_out(self, other: "Fit") -> float:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""

@@ -12,6 +12,8 @@ from fitter.data.derivatives import lowpass
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 
 FORMS = ("rectangular", "bell")
+#: Rows of the shortest pulse that has a duration: a period of the band's corner.
+SHORTEST_ROWS = 2
 #: Ratio of durations sought: two an octave, neighbours correlated by 0.84.
 DURATION_RATIO = np.sqrt(2.0)
 
@@ -237,9 +239,10 @@ def _shapes(step_s: float, n_sample: int, band_hz: float) -> Shapes:
 
 
 def durations(step_s: float) -> Floats:
-    """Return the durations that are sought [s]: from a period of the band's corner, two rows, to the longest.
+    """Return the durations that are sought [s]: from a period of the band's corner to the longest.
 
     What is shorter has no duration in this band.
     """
-    n = 1 + max(0, int(np.log(LONGEST_PULSE_S / (2.0 * step_s)) / np.log(DURATION_RATIO)))
-    return np.asarray(2.0 * step_s * DURATION_RATIO ** np.arange(n))
+    shortest_s = SHORTEST_ROWS * step_s
+    n = 1 + max(0, int(np.log(LONGEST_PULSE_S / shortest_s) / np.log(DURATION_RATIO)))
+    return np.asarray(shortest_s * DURATION_RATIO ** np.arange(n))

@@ -10,7 +10,17 @@ from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED, TINY
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
-from fitter.diagnosis.torque.pulse import DURATION_RATIO, FORMS, Pulse, Shapes, either, in_rows, seen, unseen_s
+from fitter.diagnosis.torque.pulse import (
+    DURATION_RATIO,
+    FORMS,
+    SHORTEST_ROWS,
+    Pulse,
+    Shapes,
+    either,
+    in_rows,
+    seen,
+    unseen_s,
+)
 from limbcal.compiled import compiled
 
 
@@ -24,16 +34,23 @@ class Search:
         #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
         self.remaining_evidence = np.full(self.fit.shape, -np.inf)
 
-    def evidence(self, r: Floats, places: NDArray[np.bool_]) -> Floats:
-        """Return the log evidence for a pulse of each shape that begins with each row, (n_shape, n) [nats].
+    def evidence(self, r: Floats, places: NDArray[np.bool_]) -> tuple[Floats, Floats]:
+        """Return log evidence [nats] and energy of a pulse of each shape that begins with each row.
 
-        It is asked for at some places, (n_shape, n), and nothing at the others. A pulse makes no row an outlier;
-        before it, and where there is none, rows have the weights of the residual.
+        Both are asked for at some places, (n_shape, n), and there is nothing at the others. A pulse makes no row
+        an outlier; before it, and where there is none, rows have the weights of the residual. The energy is the
+        reduction of the sum of squares, in units of the noise: of a large pulse that is large where its place is
+        not exact, and its evidence is not.
+
+        Returns
+        -------
+        evidence, energy : (n_shape, n)
         """
         k, weighted, s = self.kalman, self.kalman.weighted(r, self.nu), self.shapes
         e, states = weighted.innovations(r), weighted.predicted(r)
         pulses = s.values, s.before, s.length, places
-        return np.asarray(_evidence(r, e, states, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size))
+        evidence, energy = _evidence(r, e, states, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size)
+        return evidence, energy
 
     def found(self, least: float) -> Iterator[Pulse]:
         """Yield the pulses whose evidence exceeds the least, the most evident first.
@@ -41,15 +58,17 @@ class Search:
         What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
         """
         r = self.rows.r
-        at_places = self.evidence(r, self.fit)
+        at_places, energy = self.evidence(r, self.fit)
         while self.fit.any():
-            shape, row = np.unravel_index(int(np.argmax(at_places)), at_places.shape)
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
-            if evidence < least:
+            # Under normal noise a pulse is likelier by half its energy at the most.
+            likely = (evidence, at_places), (0.5 * float(energy.max()), energy)
+            begun = {self._place(of) for nats, of in likely if nats >= least}
+            found = [self._near(r, place, evidence) for place in begun]
+            pulse = max(found, key=lambda one: one.evidence, default=None)
+            if pulse is None or max(evidence, pulse.evidence) < least:
                 self.remaining_evidence = at_places
                 return
-            place = float(self.rows.t[row]) - 0.5 * self.rows.step_s, self.shapes.duration_s[shape]
-            pulse = either([self._refined(r, *place, form, evidence) for form in FORMS])
             if pulse.evidence >= least and self._exceeds_friction(pulse):
                 yield pulse
             self.fit &= ~self._overlapping(pulse)
@@ -57,7 +76,17 @@ class Search:
             r = r - pulse.torque_N_m * in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             # The filter forgets: far from the pulse nothing has changed.
             anew = self.fit & self.shapes.feel(np.abs(self._innovations(r) - before) > SETTLED)
-            at_places = np.where(anew, self.evidence(r, anew), np.where(self.fit, at_places, -np.inf))
+            both = zip(self.evidence(r, anew), (at_places, energy), strict=True)
+            at_places, energy = (np.where(anew, one, np.where(self.fit, was, -np.inf)) for one, was in both)
+
+    def _place(self, of: Floats) -> tuple[float, float]:
+        """Return start and duration of the pulse that has most of something, (n_shape, n)."""
+        shape, row = np.unravel_index(int(np.argmax(of)), of.shape)
+        return float(self.rows.t[row]) - 0.5 * self.rows.step_s, float(self.shapes.duration_s[shape])
+
+    def _near(self, r: Floats, place: tuple[float, float], evidence: float) -> Pulse:
+        """Return the likeliest pulse near a place, of either form."""
+        return either([self._refined(r, *place, form, evidence) for form in FORMS])
 
     def _innovations(self, r: Floats) -> Floats:
         return self.kalman.weighted(r, self.nu).innovations(r)
@@ -105,6 +134,9 @@ class Search:
         slope = np.array([0.0, size, duration_s])  # of the impulse
         impulse_std = float(np.sqrt(slope @ covariance @ slope))
         start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))
+        if not (before or after) and duration_s - duration_std < SHORTEST_ROWS * self.rows.step_s:
+            # Anything shorter of the same impulse looks alike: the duration is uniform from 0 to there.
+            duration_std, torque_std = max(duration_std, duration_s / 3.0**0.5), max(torque_std, abs(size))
         errors = start_std, duration_std, torque_std, impulse_std
         laplace = ratio + places - float(np.log(np.pi * self.size * (1.0 + (size / self.size) ** 2)))
         # Places on the grid and between its points are equally likely beforehand: the mean of both evidences.
@@ -204,8 +236,10 @@ def _evidence(
     fit: NDArray[np.bool_],
     nu: float,
     size: float,
-) -> Floats:
+) -> tuple[Floats, Floats]:
     """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2).
+
+    With it comes the energy of each.
 
     Parameters
     ----------
@@ -215,7 +249,7 @@ def _evidence(
         Expected before each row.
     """
     n_shape, n = fit.shape
-    evidence = np.full((n_shape, n), -np.inf)
+    evidence, energy = np.full((n_shape, n), -np.inf), np.full((n_shape, n), -np.inf)
     template, own, nothing = np.zeros(shapes.shape[1]), np.zeros(shapes.shape[1]), np.zeros(len(F))
     for i in range(n_shape):
         for k in range(n):
@@ -230,7 +264,8 @@ def _evidence(
             ratio += _log_ratio(beside, e[first:last], nu)
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
             evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
-    return evidence
+            energy[i, k] = np.dot(s, beside) ** 2 / max(np.dot(s, s), 1e-300)
+    return evidence, energy
 
 
 @compiled

@@ -8,6 +8,11 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.diagnosis.torque.background import Rows
 
+#: Beyond so many standard deviations Huber's estimate of 95 % efficiency gives no more weight (Huber 1981).
+HUBER_SIGMAS = 1.345
+#: Standard deviation of a normal distribution in units of its median absolute deviation.
+MAD_STD = 1.4826
+
 
 @dataclass(frozen=True)
 class ResidualTorque:
@@ -24,7 +29,7 @@ class ResidualTorque:
     known : (n, n_joint) of bool
         Whether the equation holds there, as it does not for a joint at rest of unknown friction.
     torque : (n, n_joint) [N m]
-        The motors' torque tau, filtered alike. The model errs in proportion to it (a gain) and its rate (a lag).
+        The motors' torque tau, filtered alike.
     band_hz : float
         Corner of the filter.
     torque_noise : (n_joint,) [N m]
@@ -48,7 +53,12 @@ class ResidualTorque:
     turning: Floats
 
     def rows(self, joint: int) -> Rows:
-        """Return one joint's residual at two rows a period of the band's corner: means of the samples between."""
+        """Return one joint's residual at two rows a period of the band's corner: means of the samples between.
+
+        The model errs in proportion to a torque (a gain) and its rate (a lag). It is what the motor's torque and
+        the model's have in common where the residual is an outlier: a push is in the motor's if that resists it,
+        in the model's if the arm gives way, and in no case a signal.
+        """
         step_s = float(self.t[-1] - self.t[0]) / (len(self.t) - 1)
         m = max(1, round(0.5 / (self.band_hz * step_s)))
         n = len(self.t) // m
@@ -57,9 +67,8 @@ class ResidualTorque:
             return np.asarray(samples[: n * m].reshape(n, m, *samples.shape[1:]).mean(axis=1))
 
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
-        both = self.torque[:, joint], self.torque[:, joint] + r
-        rates = [np.gradient(one, step_s) for one in both]
-        signals = np.stack([_smaller(*both), _smaller(*rates)], axis=1)
+        both = self.torque[:, joint], self.torque[:, joint] + _outlying(r, self.known[:, joint])
+        signals = np.stack([_common(*both), _common(*(np.gradient(one, step_s) for one in both))], axis=1)
         known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
@@ -71,6 +80,12 @@ class ResidualTorque:
         return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
 
 
-def _smaller(one: Floats, other: Floats) -> Floats:
-    """Return the smaller of two signals, (n,), 0 where they differ in sign."""
+def _outlying(r: Floats, known: NDArray[np.bool_]) -> Floats:
+    """Return by how much a residual (n,) exceeds what is no outlier, 0 where it does not."""
+    most = HUBER_SIGMAS * MAD_STD * float(np.median(np.abs(r[known]))) if known.any() else 0.0
+    return np.asarray(r - np.clip(r, -most, most))
+
+
+def _common(one: Floats, other: Floats) -> Floats:
+    """Return what two signals have in common, (n,): the smaller one, 0 where they differ in sign."""
     return np.asarray(np.where(one * other > 0.0, np.where(np.abs(one) < np.abs(other), one, other), 0.0))

@@ -10,7 +10,7 @@ import scipy.stats
 from fitter.diagnosis.torque.background import Background
 from fitter.diagnosis.torque.pulse import without
 from fitter.diagnosis.torque.pulse_search import Search, _ratio
-from tests.fitter.diagnosis.torque.residuals import trial
+from tests.fitter.diagnosis.torque.residuals import filtered_pulse, finer, trial
 
 MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0)
 LEAST_NATS = 8.0
@@ -80,7 +80,7 @@ def test_evidence_is_made_anew_wherever_a_pulse_was_felt():
     one = search([(2.0, 0.2, 0.4, "rectangular"), (6.0, 0.3, -0.8, "rectangular")])
     pulses = [replace(pulse, trial=0) for pulse in one.found(LEAST_NATS)]
     (remaining,) = without([one.rows], pulses)
-    whole = one.evidence(remaining.r, one.fit)
+    whole, _ = one.evidence(remaining.r, one.fit)
     np.testing.assert_allclose(one.remaining_evidence, whole, atol=0.01)
 
 
@@ -89,3 +89,15 @@ def test_a_place_that_no_sample_of_the_trial_shows_has_no_evidence():
     one = search([])
     _, _, size = one._likeliest(np.zeros(len(one.rows.t)), one.kalman, (60.0, 0.2), "rectangular")  # noqa: SLF001
     assert size == 0.0
+
+
+@pytest.mark.parametrize(("start_s", "duration_s"), [(2.0, 0.085), (2.0, 0.09), (2.03, 0.1)])
+def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration_s):
+    """Fifty standard deviations off wherever its place is not exact, it has no evidence on the grid."""
+    noise = Background(0.01, 3.0, 0.05, 0.65, 1.0, np.full(2, 1e-9), np.ones(2), 0.04, 1e-9, 3.8)
+    part = trial(np.random.default_rng(4))
+    pushed = part.r + filtered_pulse(start_s, duration_s, 4.0, "rectangular")[:, None]
+    rows = finer(replace(part, r=pushed)).rows(0)
+    first = next(Search(0, 0, rows, noise.filtered(rows), noise.degrees_of_freedom, 0.2).found(LEAST_NATS))
+    assert first.start_s == pytest.approx(start_s, abs=0.02)
+    assert first.impulse == pytest.approx(4.0 * duration_s, rel=0.05)

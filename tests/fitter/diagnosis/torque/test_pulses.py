@@ -8,7 +8,7 @@ import pytest
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.torque.pulse import pulse_means
 from fitter.diagnosis.torque.pulses import find_pulses
-from tests.fitter.diagnosis.torque.residuals import BAND_HZ, coloured, finer, trial
+from tests.fitter.diagnosis.torque.residuals import BAND_HZ, STEP_S, coloured, finer, trial
 
 HIDDEN = {0: [(2.0, 0.2, 0.5, "rectangular"), (6.5, 0.25, -0.6, "bell")], 2: [(4.0, 0.3, 0.4, "rectangular")]}
 
@@ -38,6 +38,22 @@ def test_a_large_pulse_is_not_taken_for_background():
     found = find_pulses([replace(part, torque_noise=np.array([0.1 * noise])) for part in trials])
     assert found[0].start_s == pytest.approx(2.0, abs=0.01)
     assert found[0].torque_N_m == pytest.approx(1.4, rel=0.1)
+
+
+def test_a_push_that_the_motor_resists_is_no_error_in_proportion_to_its_torque():
+    """The motor's torque holds the push, and an error of its gain explained most of it."""
+    rng = np.random.default_rng(9)
+    trials = []
+    for k in range(2):
+        part = trial(rng)
+        burst = np.exp(-0.5 * ((part.t - 8.0) / 0.15) ** 2)[:, None]
+        torque = 0.02 * part.torque + burst
+        pulse = (k == 0) * 2.0 * pulse_means(part.t, STEP_S, 4.0, 0.2, "rectangular")[:, None]
+        r = part.r + 0.15 * torque + 0.02 * np.gradient(torque, STEP_S, axis=0) + pulse
+        trials.append(replace(part, r=r, torque=torque - pulse))
+    (found,) = find_pulses(trials)
+    assert found.start_s == pytest.approx(4.0, abs=0.02)
+    assert found.torque_N_m == pytest.approx(2.0, abs=3.5 * found.torque_std)
 
 
 def test_single_rows_of_great_error_are_no_pulses():

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from tests.fitter.diagnosis.torque.residuals import trial
+from fitter.diagnosis.torque.pulse import pulse_means
+from tests.fitter.diagnosis.torque.residuals import STEP_S, trial
 
 
 def test_rows_have_two_samples_a_period_of_the_band():
@@ -25,3 +26,17 @@ def test_friction_of_a_joint_that_turns_back_is_uniform():
     rows = part.rows(0)
     np.testing.assert_allclose(rows.friction_error[100:110], 0.5 * 0.3 / np.sqrt(3.0))
     assert not rows.friction_error[:100].any() and not rows.friction_error[110:].any()
+
+
+@pytest.mark.parametrize("resisted", [True, False])
+@pytest.mark.parametrize("size", [3.0, -3.0])
+def test_a_push_is_no_signal_whether_the_motor_resists_it_or_the_arm_gives_way(size, resisted):
+    part = trial(np.random.default_rng(5))
+    push = size * pulse_means(part.t, STEP_S, 4.0, 0.2, "rectangular")[:, None]
+    pushed = replace(part, r=part.r + push, torque=part.torque - (push if resisted else 0.0))
+    torque, rate = pushed.rows(0).signals.T
+    clean = part.torque[:, 0]
+    assert np.all(np.abs(torque) <= np.abs(clean) + 0.1 * abs(size))
+    assert np.abs(rate).max() < 1.5 * np.abs(np.gradient(clean, STEP_S)).max()
+    away = (part.t < 3.9) | (part.t > 4.3)
+    np.testing.assert_allclose(torque[away], clean[away], atol=0.1 * abs(size))
