@@ -35,22 +35,22 @@ class Search:
         self.remaining_evidence = np.full(self.fit.shape, -np.inf)
 
     def evidence(self, r: Floats, places: NDArray[np.bool_]) -> tuple[Floats, Floats]:
-        """Return log evidence [nats] and energy of a pulse of each shape that begins with each row.
+        """Return the log evidence for a pulse of each shape that begins with each row, and what is attainable.
 
         Both are asked for at some places, (n_shape, n), and there is nothing at the others. A pulse makes no row
-        an outlier; before it, and where there is none, rows have the weights of the residual. The energy is the
-        reduction of the sum of squares, in units of the noise: of a large pulse that is large where its place is
-        not exact, and its evidence is not.
+        an outlier; before it, and where there is none, rows have the weights of the residual. Of a large pulse
+        much is attainable where its place is not exact, and nothing evident: the lesser of what it would be under
+        normal noise, and of a perfect fit of its rows.
 
         Returns
         -------
-        evidence, energy : (n_shape, n)
+        evidence, attainable : (n_shape, n) [nats]
         """
         k, weighted, s = self.kalman, self.kalman.weighted(r, self.nu), self.shapes
         e, states = weighted.innovations(r), weighted.predicted(r)
         pulses = s.values, s.before, s.length, places
-        evidence, energy = _evidence(r, e, states, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size)
-        return evidence, energy
+        both = _evidence(r, e, states, k.F, k.C, k.gain, k.S, k.known, *pulses, self.nu, self.size)
+        return np.asarray(both[0]), np.asarray(both[1])
 
     def found(self, least: float) -> Iterator[Pulse]:
         """Yield the pulses whose evidence exceeds the least, the most evident first.
@@ -58,11 +58,10 @@ class Search:
         What overlaps one of them is its own form, which is neither a rectangle nor a bell, and no other pulse.
         """
         r = self.rows.r
-        at_places, energy = self.evidence(r, self.fit)
+        at_places, attainable = self.evidence(r, self.fit)
         while self.fit.any():
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
-            # Under normal noise a pulse is likelier by half its energy at the most.
-            likely = (evidence, at_places), (0.5 * float(energy.max()), energy)
+            likely = (evidence, at_places), (float(attainable.max()), attainable)
             begun = {self._place(of) for nats, of in likely if nats >= least}
             found = [self._near(r, place, evidence) for place in begun]
             pulse = max(found, key=lambda one: one.evidence, default=None)
@@ -76,8 +75,8 @@ class Search:
             r = r - pulse.torque_N_m * in_rows(self.rows, pulse.start_s, pulse.duration_s, pulse.form)
             # The filter forgets: far from the pulse nothing has changed.
             anew = self.fit & self.shapes.feel(np.abs(self._innovations(r) - before) > SETTLED)
-            both = zip(self.evidence(r, anew), (at_places, energy), strict=True)
-            at_places, energy = (np.where(anew, one, np.where(self.fit, was, -np.inf)) for one, was in both)
+            both = zip(self.evidence(r, anew), (at_places, attainable), strict=True)
+            at_places, attainable = (np.where(anew, one, np.where(self.fit, was, -np.inf)) for one, was in both)
 
     def _place(self, of: Floats) -> tuple[float, float]:
         """Return start and duration of the pulse that has most of something, (n_shape, n)."""
@@ -239,7 +238,7 @@ def _evidence(
 ) -> tuple[Floats, Floats]:
     """Return the log evidence of each shape at each row, with Cauchy's prior of a pulse's size, eq. (m.2).
 
-    With it comes the energy of each.
+    With it comes what is attainable of each.
 
     Parameters
     ----------
@@ -249,7 +248,8 @@ def _evidence(
         Expected before each row.
     """
     n_shape, n = fit.shape
-    evidence, energy = np.full((n_shape, n), -np.inf), np.full((n_shape, n), -np.inf)
+    evidence, attainable = np.full((n_shape, n), -np.inf), np.full((n_shape, n), -np.inf)
+    perfect = np.concatenate((np.zeros(1), np.cumsum(0.5 * (nu + 1.0) * np.log1p(e**2 / nu))))
     template, own, nothing = np.zeros(shapes.shape[1]), np.zeros(shapes.shape[1]), np.zeros(len(F))
     for i in range(n_shape):
         for k in range(n):
@@ -263,9 +263,11 @@ def _evidence(
             ratio, c, information = _ratio(beside, s, nu)
             ratio += _log_ratio(beside, e[first:last], nu)
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
-            evidence[i, k] = ratio + width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
-            energy[i, k] = np.dot(s, beside) ** 2 / max(np.dot(s, s), 1e-300)
-    return evidence, energy
+            prior = width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
+            evidence[i, k] = ratio + prior
+            normal = 0.5 * np.dot(s, beside) ** 2 / max(np.dot(s, s), 1e-300)
+            attainable[i, k] = min(normal, perfect[last] - perfect[first]) + prior
+    return evidence, attainable
 
 
 @compiled
