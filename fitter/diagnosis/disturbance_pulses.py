@@ -125,15 +125,14 @@ class DisturbancePulses(Hypothesis):
         return np.column_stack([start, lasting, form[:, 2]]).ravel()
 
     def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
-        """Say which numbers are known: a duration that may not be zero, and a torque if what was seen lasted.
+        """Say which numbers are known: those with a standard error, but a torque only if what was seen lasted.
 
-        Of a push too short for the band only the impulse is known. Of one that begins or ends while nothing is
-        known the torque is, though not how long it lasted.
+        Of a push too short for the band its impulse is known, and no torque. Of one that begins or ends while
+        nothing is known the torque is, though it may have lasted for longer or shorter.
         """
         known = np.isfinite(std).reshape(-1, len(_NUMBERS))
         duration, error = (np.reshape(one, known.shape)[:, 1] for one in (values, std))
         of_what_was_seen = np.sqrt(np.maximum(error**2 - np.sum(self._unseen_std**2, axis=1), 0.0))
-        known[:, 1] &= duration > EQUAL_SIGMAS * error
         known[:, 2] &= duration > EQUAL_SIGMAS * of_what_was_seen
         return np.asarray(known.ravel())
 
