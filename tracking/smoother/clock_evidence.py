@@ -1,7 +1,7 @@
 """Which sensors' clocks differ: those of which the readings say so twice.
 
 A lateness explains much of what an arm lacks besides, such as flesh that gives way. So a sensor's clock is let go
-only if readings with it are a hundred times likelier than without (the Bayes factor), and if it also foretells:
+only if readings with it are a hundred times likelier than without (the Bayes factor), and if it also predicts:
 what the other blocks of the recording say of it makes the readings of each block likelier, by as much in all
 (cross-validation; M. Stone, *Cross-validatory choice and assessment of statistical predictions*, 1974). Both come
 of one pass: along the most probable motion the log-likelihood is quadratic in the latenesses.
@@ -76,7 +76,7 @@ def accepted(slopes: ClockSlopes) -> list[int]:
 
 
 def _evidence(slopes: ClockSlopes, kept: list[int]) -> tuple[float, float]:
-    """Return the logarithms of the Bayes factor of some clocks against none, and of what they foretell [nats]."""
+    """Return the logarithms of the Bayes factor of some clocks against none, and of what they predict [nats]."""
     if not kept:
         return 0.0, 0.0
     at = np.array(kept)
@@ -85,8 +85,8 @@ def _evidence(slopes: ClockSlopes, kept: list[int]) -> tuple[float, float]:
     total, precise = gradient.sum(axis=0), information.sum(axis=0) + prior
     factor = 0.5 * total @ np.linalg.solve(precise, total)
     factor -= 0.5 * np.linalg.slogdet(precise / prior[0, 0])[1]
-    foretold = 0.0
+    predicted = 0.0
     for own, known in zip(gradient, information, strict=True):
         late = np.linalg.solve(precise - known, total - own)
-        foretold += own @ late - 0.5 * late @ known @ late
-    return float(factor), float(foretold)
+        predicted += own @ late - 0.5 * late @ known @ late
+    return float(factor), float(predicted)
