@@ -22,8 +22,8 @@ from fitter.regression_sums.torque_sums import TorqueSums, add_up
 from fitter.regression_sums.trial_sums import trial_sums
 from limbcal.errors import ConfigError
 
-#: Residuals beyond this many standard deviations are bent: 95 % as efficient as least squares without outliers.
-BEND = 1.345
+#: Tuning constant of Huber's M-estimator [standard deviations]: 95 % efficiency on normal residuals (Huber 1981).
+HUBER_SIGMAS = 1.345
 _MAD_OF_NORMAL = 0.6745
 #: Samples of one trial whose regressor is held in memory at a time.
 _CHUNK = 20_000
@@ -93,10 +93,10 @@ def draw_in(
     measured = replace(arm, control=Control())
     drawn = []
     for trial, tau, model in zip(trials, torques, models, strict=True):
-        pseudo = model + np.clip(tau - model, -BEND * scale, BEND * scale)
+        pseudo = model + np.clip(tau - model, -HUBER_SIGMAS * scale, HUBER_SIGMAS * scale)
         drawn.append(trial_sums(measured, base, replace(trial, tau=_filtered(trial, pseudo)), rest_speed))
     sums = _scaled(add_up(drawn), (scale.min() / scale) ** 2)
-    bent = np.count_nonzero((np.abs(residual) > BEND * scale) & counts, axis=0)
+    bent = np.count_nonzero((np.abs(residual) > HUBER_SIGMAS * scale) & counts, axis=0)
     return Pseudo(sums, scale, np.asarray(bent / np.maximum(np.count_nonzero(counts, axis=0), 1)))
 
 

@@ -103,9 +103,8 @@ def start_state(
         slope = _in_motion(of, x)
     # a motion shows an angle by how readings change, whatever an AC-coupled sensor stands at
     told_to = offset_std if first.steady else np.minimum(offset_std, _OFFSET_STD)
-    unshown = (
-        GIVEN_STD if given and not first.steady else _EXACT_STD
-    )  # it was measured some time before the first frame
+    # given angles were measured some time before the first frame
+    unshown = GIVEN_STD if given and not first.steady else _EXACT_STD
     shown = GIVEN_STD if given else GUESSED_STD
     P[: 3 * n : 3, : 3 * n : 3] = _angle_covariance(slope[:, : 3 * n : 3] / told_to[:, None], shown, unshown)
     std = np.zeros(size)

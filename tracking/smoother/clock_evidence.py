@@ -53,9 +53,8 @@ def clock_slopes(
     length : int
         Instants of a block.
     """
-    begins = np.arange(
-        0, max(1, len(error) - length // 2), length
-    )  # the last block is no shorter than half of one
+    # the last block is no shorter than half of one
+    begins = np.arange(0, max(1, len(error) - length // 2), length)
     gradient = np.add.reduceat(-(error * drift).sum(axis=2), begins, axis=0)
     squares = np.add.reduceat((precision * drift**2).sum(axis=2), begins, axis=0)
     share = np.sqrt(squares / np.maximum(squares.sum(axis=0), np.finfo(np.float64).tiny))

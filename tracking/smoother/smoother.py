@@ -37,8 +37,8 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
 _TOO_LITTLE = 0.7
-#: A motion that is only wanted if it explains the readings is given up after so many passes that get no nearer and
-#: leave more of them than noise, a convention.
+#: An alternative model, accepted only if it explains the readings, is rejected after this many passes that do not
+#: converge and whose residual exceeds the sensors' noise; a convention.
 _IN_VAIN = 4
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S

@@ -7,9 +7,8 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.torque.background import Rows
+from fitter.dynamics.robust import HUBER_SIGMAS
 
-#: Beyond so many standard deviations Huber's estimate of 95 % efficiency gives no more weight (Huber 1981).
-HUBER_SIGMAS = 1.345
 #: Standard deviation of a normal distribution in units of its median absolute deviation.
 MAD_STD = 1.4826
 
