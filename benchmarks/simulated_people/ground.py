@@ -68,5 +68,6 @@ def trial_of(
         wrench[inner],
         ClockShift(0.0, 0.0),
         (),
+        np.zeros(3),
         (),
     )

@@ -5,6 +5,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 from rich.progress import track as progress
 
 from arm.arm_file import save_arm
@@ -15,12 +16,13 @@ from fitter.commands.options import height_m, mass_kg
 from fitter.commands.trial_sets import notes_of, with_notes
 from fitter.data.trial import Trial
 from fitter.ground.fit_corner import fit_corner_hz
-from fitter.ground.floating_base import floating_base
+from fitter.ground.floating_base import FloatingBase, floating_base
 from fitter.ground.ground_document import document
 from fitter.ground.ground_dynamics import learn_from_ground
 from fitter.ground.ground_score import ground_score, worse_than_nothing
 from fitter.ground.ground_trial import GroundTrial, ground_trial
 from fitter.ground.link_names import link_named, link_names
+from fitter.ground.measured_contact import measured_stretches, unmeasured
 from limbcal.command import Document, console, say_notes, show
 from limbcal.errors import ConfigError, Unusable
 from limbcal.note import Note, of_source
@@ -90,9 +92,10 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     notes = [*notes_of((*learn, *evaluate))]
     for trial in trials:
         notes += of_source(trial.notes, trial.name)
-    say_notes([note for note in notes if note.kind != "unmeasured_contact"])
-    _refuse_unmeasured(trials, notes)
-    learnt_from, judged = trials[: len(learn)], trials[len(learn) :]
+    say_notes(notes)
+    learnt_from = trials[: len(learn)]
+    _refuse([note for trial in learnt_from for note in _unmeasured(arm, base, trial, names)], notes)
+    judged = _judged(arm, base, trials[len(learn) :], names, notes)
     band_hz = min(fit_corner_hz(learnt_from, base.links.ravel()), *(trial.band_hz for trial in learn))
     fit = learn_from_ground(arm, base, learnt_from, regression=arguments.prior is not None, band_hz=band_hz)
     scores = {
@@ -103,7 +106,8 @@ def ground_dynamics(arguments: argparse.Namespace, arm: Arm, read: _Read) -> Doc
     say_notes(worse)
     notes += worse
     save_arm(fit.arm, arguments.out)
-    answer = document(fit, scores, trials, names, prior=arguments.prior is not None)
+    used = {trial.name: trial for trial in (*learnt_from, *judged)}
+    answer = document(fit, scores, [*used.values()], names, prior=arguments.prior is not None)
     say_ground(fit, scores, names, prior=arguments.prior is not None)
     if arguments.report is not None:
         files = [*(Path(one) for one in (*arguments.learn, *arguments.evaluate)), *arguments.ground]
@@ -138,12 +142,43 @@ def _of_person(arguments: argparse.Namespace, arm: Arm) -> Arm:
     return arm
 
 
-def _refuse_unmeasured(trials: Sequence[GroundTrial], notes: Sequence[Note]) -> None:
-    """Refuse contact that no plate measures: it would be learnt as mass."""
-    found = [(trial.name, note) for trial in trials for note in trial.unmeasured]
+def _judged(
+    arm: Arm, base: FloatingBase, trials: Sequence[GroundTrial], names: Sequence[str], notes: list[Note]
+) -> list[GroundTrial]:
+    """Return what bodies are judged by: every trial, or its stretches in which all contact is measured.
+
+    Adds to ``notes`` what was left out.
+    """
+    judged: list[GroundTrial] = []
+    refused: list[Note] = []
+    for trial in trials:
+        found = _unmeasured(arm, base, trial, names)
+        parts = measured_stretches(arm, base, trial, names) if found else [trial]
+        judged += parts
+        if not parts:
+            refused += found
+        elif found:
+            seconds = trial.dt_s * np.array([sum(len(part.t) for part in parts), len(trial.t)])
+            judgement = f"judged in the {seconds[0]:.1f} of {seconds[1]:.1f} s in which all contact is measured"
+            more = [
+                replace(found[0], text=f"{found[0].text}; {judgement}"),
+                *of_source(parts[0].shift.notes, trial.name),
+            ]
+            say_notes(more)
+            notes += more
+    _refuse(refused, notes)
+    return judged
+
+
+def _unmeasured(arm: Arm, base: FloatingBase, trial: GroundTrial, names: Sequence[str]) -> list[Note]:
+    return [*of_source(unmeasured(arm, base, trial, names), trial.name)]
+
+
+def _refuse(found: Sequence[Note], notes: Sequence[Note]) -> None:
+    """Refuse contact that no plate measures: it would be learnt as mass, or judged as an error of masses."""
     if found:
-        sentences = [f"unmeasured_contact: {name}: {note.text}{_when(note)}" for name, note in found]
-        raise Unusable(sentences, with_notes({}, notes))
+        sentences = [f"unmeasured_contact: {note.sentence}{_when(note)}" for note in found]
+        raise Unusable(sentences, with_notes({}, [*notes, *found]))
 
 
 def _when(note: Note) -> str:

@@ -3,9 +3,14 @@
 from dataclasses import dataclass
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.ndimage import binary_erosion
 
 from arm.model import Floats
+from limbcal.note import Note
 
+#: Clocks are compared by what is slower: of a motion from markers, the rest is noise (Winter 2009) [Hz].
+FASTEST_HZ = 6.0
 #: Largest shift that is sought [s], and the steps of the search.
 _LARGEST_S, _STEPS = 0.25, 101
 #: A shift is believed if it makes the measured force likelier by this factor, as a logarithm: one in a thousand
@@ -27,8 +32,22 @@ class ClockShift:
     shift_s: float
     std_s: float
 
+    @property
+    def notes(self) -> tuple[Note, ...]:
+        """What is said of it: nothing where the clocks agree."""
+        if self.shift_s == 0.0:
+            return ()
+        late = "later" if self.shift_s > 0.0 else "earlier"
+        text = (
+            f"the forces' clock is {1e3 * abs(self.shift_s):.1f} ± {1e3 * 1.96 * self.std_s:.1f} ms {late} "
+            f"than the motion's by the vertical force: put right"
+        )
+        return (Note("clock", text),)
 
-def clock_shift(predicted: Floats, measured: Floats, dt_s: float, band_hz: float) -> ClockShift:
+
+def clock_shift(
+    predicted: Floats, measured: Floats, dt_s: float, band_hz: float, usable: NDArray[np.bool_] | None = None
+) -> ClockShift:
     """Return the most likely shift.
 
     Parameters
@@ -38,12 +57,15 @@ def clock_shift(predicted: Floats, measured: Floats, dt_s: float, band_hz: float
         yet.
     dt_s, band_hz : float
         Two independent samples a period of the filter's corner are counted.
+    usable : (n_sample,) bool, optional
+        Where the two may be compared; everywhere if None.
     """
     t = np.arange(len(measured)) * dt_s
     edge = int(np.ceil(_LARGEST_S / dt_s))
-    inner = slice(edge, len(t) - edge)
-    n_effective = 2.0 * min(band_hz, 0.5 / dt_s) * (len(t) - 2 * edge) * dt_s
-    if len(t) <= 4 * edge:
+    around = np.ones(2 * edge + 1, dtype=np.bool_)
+    inner = binary_erosion(np.ones(len(t), dtype=np.bool_) if usable is None else usable, around)
+    n_effective = 2.0 * min(band_hz, 0.5 / dt_s) * int(inner.sum()) * dt_s
+    if inner.sum() <= 2 * edge:
         return ClockShift(0.0, np.inf)
     shifts = np.linspace(-_LARGEST_S, _LARGEST_S, _STEPS)
     model = predicted[inner] - predicted[inner].mean()

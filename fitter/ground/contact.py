@@ -26,7 +26,7 @@ _VARIES = 0.05
 _LEAN, _HORIZONTAL = 0.0175, 0.04
 #: Share of the weight by which all of them may differ from what the person is said to weigh: clothes, a wrong
 #: entry, and segments that differ from the table.
-_WEIGHT = 0.2
+OTHER_WEIGHT = 0.2
 #: Largest motion of a hand that holds something [m, rms], time [s], least motion of the trunk meanwhile [m, rms]:
 #: optical noise and skin at rest make 2 mm.
 _STILL_M, _STILL_S, _SWAY_M = 0.003, 2.0, 0.010
@@ -55,7 +55,7 @@ def closure(
     middle = t[: len(share)] + 0.5 * (n - 1) * dt_s
     vertical = share @ up
     level = float(np.median(vertical))
-    if abs(level) > _WEIGHT:
+    if abs(level) > OTHER_WEIGHT:
         return [_carried(_means(measured, n) @ up / weight_N, vertical, weight_N, middle, 0.5 * (n - 1) * dt_s)]
     sideways = np.linalg.norm(share - vertical[:, None] * up, axis=1)
     notes = []
@@ -105,7 +105,7 @@ def _carried(carried: Floats, vertical: Floats, weight_N: float, middle: Floats,
             "else carries the person, such as a plate that is not in the file, or the mass is another's"
         )
         return Note("unmeasured_contact", text)
-    first, last = max(runs(np.abs(vertical) > _WEIGHT), key=lambda run: run[1] - run[0])
+    first, last = max(runs(np.abs(vertical) > OTHER_WEIGHT), key=lambda run: run[1] - run[0])
     text = (
         f"over a second the plates carry between {carried.min():.2f} and {carried.max():.2f} of the weight of "
         f"{kg:.1f} kg: something else carries the person for a time, such as a chair or the floor beside a plate"

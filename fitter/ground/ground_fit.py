@@ -40,7 +40,7 @@ class Posterior:
     covariance : (10 n_body, 10 n_body)
         Of x, disturbances included.
     power : (n_band, 6)
-        Variance of what is left of a coefficient, by band and row.
+        Variance of a coefficient's residual, by band and row.
     rounds : int
     """
 

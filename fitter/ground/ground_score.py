@@ -110,7 +110,7 @@ def worse_than_nothing(base: FloatingBase, scores: Mapping[str, GroundScore | No
         Note(
             "unexplained",
             f"along joint {i + 1} the learnt bodies predict the ground's reaction in the {title} trials worse "
-            f"than zero would (what is left has {100.0 * (1.0 - share):.0f} % of its power): hardly anything of "
+            f"than zero would (the residual has {100.0 * (1.0 - share):.0f} % of its power): hardly anything of "
             "it is the body's motion, or the plates' zero or place or the base's angles are off there",
             columns=(f"q{i + 1}",),
         )

@@ -1,8 +1,9 @@
-"""A trial of a person on plates: motion, the ground's wrench on the same times, and what contradicts it."""
+"""A trial of a person on plates: motion, and the ground's wrench on the same times."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields, replace
 from pathlib import Path
+from typing import TypeVar
 
 import numpy as np
 
@@ -11,8 +12,8 @@ from arm.model import Arm, Floats
 from arm.moving_base import standing_base
 from fitter.data.derivatives import lowpass
 from fitter.data.trial import Trial
-from fitter.ground.clock_shift import ClockShift, clock_shift
-from fitter.ground.contact import closure, held, plate_link
+from fitter.ground.clock_shift import FASTEST_HZ, ClockShift, clock_shift
+from fitter.ground.contact import plate_link
 from fitter.ground.disturbances import Posture, postures
 from fitter.ground.floating_base import FloatingBase, base_regressor
 from fitter.ground.ground_wrench import ground_wrench, wrench_at_origin
@@ -22,10 +23,9 @@ from limbcal.note import Note
 from protocol.markers.recording import runs
 from protocol.markers.wrench_files import EMPTY_N, PlateWrench, read_wrenches
 
-#: Clocks are compared by what is slower: of a motion from markers, the rest is noise (Winter 2009) [Hz].
-_FASTEST_HZ = 6.0
+_Sampled = TypeVar("_Sampled", LinkMotion, Posture)
 #: A trial needs this long a stretch in which all plates have numbers [s].
-_SHORTEST_S = 1.0
+SHORTEST_S = 1.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +48,8 @@ class GroundTrial:
     shift : ClockShift
     contacts : tuple of (str, int)
         Plates that carry something, and the link, from 0, that each acts on.
+    acts_at_m : (3,)
+        Where the ground acts, in the median.
     notes : tuple of Note
     """
 
@@ -60,12 +62,19 @@ class GroundTrial:
     wrench: Floats
     shift: ClockShift
     contacts: tuple[tuple[str, int], ...]
+    acts_at_m: Floats
     notes: tuple[Note, ...]
 
-    @property
-    def unmeasured(self) -> tuple[Note, ...]:
-        """What shows contact that no plate measures."""
-        return tuple(note for note in self.notes if note.kind == "unmeasured_contact")
+    def during(self, kept: slice) -> "GroundTrial":
+        """Return the trial in a stretch of its samples."""
+        return replace(
+            self,
+            t=self.t[kept],
+            motions=[_during(motion, kept) for motion in self.motions],
+            postures=[_during(posture, kept) for posture in self.postures],
+            Y=self.Y[kept],
+            wrench=self.wrench[kept],
+        )
 
 
 def ground_trial(
@@ -105,7 +114,7 @@ def ground_trial(
     raw = _in_frame_0(arm, raw)
     first, last = _longest(known, trial.dt_s, forces)
     kept = slice(first, last)
-    band = min(trial.band_hz, _FASTEST_HZ)
+    band = min(trial.band_hz, FASTEST_HZ)
     vertical = [lowpass(x @ up, trial.dt_s, band, ends="even") for x in (Y[:, :3] @ theta, raw[:, :3])]
     shift = clock_shift(vertical[0][kept], vertical[1][kept], trial.dt_s, band)
     if shift.shift_s != 0.0:
@@ -113,12 +122,7 @@ def ground_trial(
         raw = _in_frame_0(arm, raw)
         first, last = _longest(known, trial.dt_s, forces)
         kept = slice(first, last)
-        late = "later" if shift.shift_s > 0.0 else "earlier"
-        text = (
-            f"the forces' clock is {1e3 * abs(shift.shift_s):.1f} ± {1e3 * 1.96 * shift.std_s:.1f} ms {late} "
-            f"than the motion's by the vertical force: put right"
-        )
-        notes.append(Note("clock", text))
+        notes += shift.notes
     if last - first < len(t):
         text = f"{len(t) - (last - first)} of {len(t)} samples have no force of every plate and are left out"
         notes.append(Note("nan_forces", text, from_s=float(t[first]), to_s=float(t[last - 1])))
@@ -126,28 +130,21 @@ def ground_trial(
         raw = lowpass(raw, trial.dt_s, trial.cutoff_hz, ends="even")
     about = motions[base.bodies[0]].o
     wrench = np.hstack([raw[:, :3], raw[:, 3:] - np.cross(about, raw[:, :3])])
-    motions = [_part(motion, kept) for motion in motions]
-    acting = _contacts(base, motions, plates, t[kept] + shift.shift_s, contacts)
     found = GroundTrial(
         trial.name,
-        t[kept],
+        t,
         trial.dt_s,
         motions,
-        postures(arm, base, motions, trial.q[kept], trial.dq[kept], trial.ddq[kept]),
-        Y[kept],
-        wrench[kept],
+        postures(arm, base, motions, trial.q, trial.dq, trial.ddq),
+        Y,
+        wrench,
         shift,
-        acting,
         (),
-    )
-    weight = np.linalg.norm(arm.gravity_m_s2) * (
-        arm.body.mass_kg if arm.body is not None else base.links[:, 9].sum()
-    )
-    ends = [i for i in base.bodies if not any(i in arm.way_to(j)[:-1] for j in base.bodies)]
-    ground = _acts_at(plates)
-    notes += closure(found.Y[:, :3] @ theta, found.wrench[:, :3], float(weight), up, found.t, trial.dt_s)
-    notes += held(base, motions, ends, [names[i] for i in ends], ground, up, found.t, trial.dt_s)
-    return replace(found, notes=tuple(notes))
+        _acts_at(plates),
+        tuple(notes),
+    ).during(kept)
+    acting = _contacts(base, found.motions, plates, found.t + shift.shift_s, contacts)
+    return replace(found, contacts=acting)
 
 
 def _in_frame_0(arm: Arm, wrench: Floats) -> Floats:
@@ -160,18 +157,16 @@ def _in_frame_0(arm: Arm, wrench: Floats) -> Floats:
 def _longest(known: np.ndarray, dt_s: float, forces: Path) -> tuple[int, int]:
     stretches = runs(known)
     first, last = max(stretches, key=lambda run: run[1] - run[0]) if stretches else (0, 0)
-    if (last - first) * dt_s < _SHORTEST_S:
+    if (last - first) * dt_s < SHORTEST_S:
         raise DataError(
             f"{forces}: the longest stretch in which every plate has numbers is {(last - first) * dt_s:.2f} s, "
-            f"expected {_SHORTEST_S:g} s at least"
+            f"expected {SHORTEST_S:g} s at least"
         )
     return first, last
 
 
-def _part(motion: LinkMotion, kept: slice) -> LinkMotion:
-    return LinkMotion(
-        motion.R[kept], motion.o[kept], motion.omega[kept], motion.omega_dot[kept], motion.acceleration[kept]
-    )
+def _during(what: _Sampled, kept: slice) -> _Sampled:
+    return replace(what, **{each.name: getattr(what, each.name)[kept] for each in fields(what)})
 
 
 def _acts_at(plates: Sequence[PlateWrench]) -> Floats:

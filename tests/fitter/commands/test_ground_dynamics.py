@@ -29,7 +29,8 @@ def recorded(tmp_path_factory):
         motions = link_motions(PERSON, q, *both_derivatives(q, DT), standing_base(len(q)))
         wrench = base_regressor([motions[i] for i in BASE.bodies]) @ theta
         wrench[:, 3:] += np.cross(motions[BASE.bodies[0]].o, wrench[:, :3])
-        for file, share in ((f"{name}.mot", 1.0), (f"{name}-half.mot", 0.5)):
+        chair = np.where((t > 2.0) & (t < 4.0), 0.0, 1.0)[:, None]
+        for file, share in ((f"{name}.mot", 1.0), (f"{name}-half.mot", 0.5), (f"{name}-chair.mot", chair)):
             table = np.column_stack(
                 [t, share * wrench[:, :3], np.zeros_like(wrench[:, :3]), share * wrench[:, 3:]]
             )
@@ -67,3 +68,19 @@ def test_half_of_the_ground_is_refused(recorded, capsys):
 def test_one_force_file_a_trial_is_wanted(recorded):
     folder, _ = recorded
     assert dynamics(folder, ["learn.mot"]) == 2
+
+
+def test_a_chair_in_an_evaluating_trial_is_left_out_of_the_judgement(recorded, capsys):
+    folder, _ = recorded
+    assert dynamics(folder, ["learn.mot", "judge-chair.mot"], "--prior", "regression") == 0
+    answer = json.loads(capsys.readouterr().out)
+    (note,) = [note for note in answer["notes"] if note["kind"] == "unmeasured_contact"]
+    assert note["source"] == "judge" and "of 8.0 s in which all contact is measured" in note["text"]
+    assert answer["ground_residual"]["evaluate"]["squared_reduction"]["moment"] > 0.8
+
+
+def test_a_chair_in_a_learning_trial_is_refused(recorded, capsys):
+    folder, _ = recorded
+    assert dynamics(folder, ["learn-chair.mot", "judge.mot"], "--prior", "regression") == 4
+    kinds = [note["kind"] for note in json.loads(capsys.readouterr().out)["notes"]]
+    assert "unmeasured_contact" in kinds

@@ -27,3 +27,12 @@ def test_clocks_that_agree_and_persons_who_stand_are_left_alone():
     assert clock_shift(*pair(0.0), 0.01, 6.0).shift_s == 0.0
     rng = np.random.default_rng(0)
     assert clock_shift(rng.normal(size=400), rng.normal(size=400), 0.01, 6.0).shift_s == 0.0
+
+
+def test_what_may_not_be_compared_shifts_nothing():
+    predicted, measured = pair(0.05)
+    measured[150:250] = 0.0
+    usable = np.ones(len(measured), dtype=bool)
+    usable[150:250] = False
+    assert abs(clock_shift(predicted, measured, 0.01, 6.0, usable).shift_s - 0.05) < 0.004
+    assert clock_shift(predicted, measured, 0.01, 6.0, np.zeros_like(usable)).shift_s == 0.0

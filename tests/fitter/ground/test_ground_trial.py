@@ -15,6 +15,7 @@ from fitter.ground.floating_base import base_regressor
 from fitter.ground.ground_trial import ground_trial
 from fitter.ground.link_motion import link_motions
 from fitter.ground.link_names import link_names
+from fitter.ground.measured_contact import unmeasured
 from limbcal.errors import DataError
 
 AXES = [f"ground_force_1_{kind}{axis}" for kind in "vpm" for axis in "xyz"]
@@ -57,7 +58,7 @@ def test_the_tables_bodies_leave_nothing(tmp_path, person):
     found = put_together(tmp_path, person)
     np.testing.assert_allclose(found.Y @ BASE.links.ravel(), found.wrench, atol=1e-4)
     assert found.shift.shift_s == 0.0 and found.name == "moves" and len(found.t) == 800
-    assert found.unmeasured == ()
+    assert unmeasured(PERSON, BASE, found, link_names(PERSON)) == []
 
 
 def test_a_base_that_stands_elsewhere_takes_the_wrench_along(tmp_path, person):
