@@ -1,12 +1,18 @@
-"""Which of the pushes that a model misses are causes: each as any cause must be, and beside all others."""
+"""Which of the pushes that a model misses are causes, each as any cause must be, and what their numbers are."""
 
 from collections.abc import Sequence
 from dataclasses import replace
 
+import numpy as np
+
+from fitter.diagnosis.disturbance_pulses import DisturbancePulses
 from fitter.diagnosis.evidence import Fit
-from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses
+from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses, residual_torques, without_pulses
+from fitter.diagnosis.model import Candidate, Model
+from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.stepwise import Found, Stepwise
 from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.torque.pulses import at_likeliest
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 
 
@@ -40,3 +46,35 @@ def with_pulses(likelihood: TorqueLikelihood, search: Stepwise, found: Found) ->
         tried = without(tried, weak[0])
     # The weights are those of what was not accepted.
     return replace(found, final=likelihood.reweighted(final)) if missed else found
+
+
+def with_likeliest_pulses(regression: Regression, final: Candidate) -> Candidate:
+    """Return a model with its pushes where the residual over time is likeliest, eq. (m.1), with these errors.
+
+    The equations' weights hold for a whole run. A push takes a fraction of a second, in which what the model
+    misses resembles itself: weighed by them, it takes that for its own.
+    """
+    model = final.model
+    if not any(isinstance(one, DisturbancePulses) for one in model.hypotheses):
+        return final
+    n_base = len(final.x) - model.n_column
+    factors = np.split(final.x[n_base:], np.cumsum([one.n_column for one in model.hypotheses])[:-1])
+    now = [
+        pulse
+        for one, psi, own in zip(model.hypotheses, model.psi, factors, strict=True)
+        if isinstance(one, DisturbancePulses)
+        for pulse in one.pulses(psi, own)
+    ]
+    likeliest = at_likeliest(residual_torques(regression, without_pulses(final)), now)
+    moved, x = Model(), [final.x[:n_base]]
+    for one, psi, own in zip(model.hypotheses, model.psi, factors, strict=True):
+        if isinstance(one, DisturbancePulses):
+            pulses = [pulse for pulse in likeliest if pulse.joint == one.joints[0]]
+            pushes = DisturbancePulses(one.kind, one.joints[0], pulses)
+            moved = moved.plus(pushes, pushes.starts([])[0])
+            x.append(np.array([pulse.impulse for pulse in pulses]))
+        else:
+            moved = moved.plus(one, psi)
+            x.append(own)
+    numbers = np.concatenate(x)
+    return Candidate(moved, numbers, regression.squares(moved, numbers))

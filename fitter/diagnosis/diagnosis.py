@@ -14,7 +14,7 @@ from fitter.data.motions import Measured
 from fitter.data.resample import Uniform, resample, split_at_holes
 from fitter.data.trial import Trial, undriven
 from fitter.data.trial_filter import FIT_CORNER
-from fitter.diagnosis.accepted_pulses import with_pulses
+from fitter.diagnosis.accepted_pulses import with_likeliest_pulses, with_pulses
 from fitter.diagnosis.conclusion import concluded, finding_of
 from fitter.diagnosis.cutoff import chatter, corner_hz
 from fitter.diagnosis.error_floor import regression_of
@@ -165,7 +165,7 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
         found = with_pulses(likelihood, search, found)
     regression, model = likelihood.regression, found.final.candidate.model
     base = fitted(regression, Model())
-    final = fitted(regression, model) if model.hypotheses else base
+    final = with_likeliest_pulses(regression, fitted(regression, model)) if model.hypotheses else base
     return likelihood, Search(
         base,
         final,

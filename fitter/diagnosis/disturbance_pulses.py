@@ -117,12 +117,16 @@ class DisturbancePulses(Hypothesis):
         """Standard errors of start and end where nothing is known: uniform there, (n_pulse, 2) [s]."""
         return np.asarray(np.array([one.unseen_s for one in self.found]).reshape(-1, 2) / np.sqrt(12.0))
 
-    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
-        """Return standard errors of what no fit shows: an end where nothing is known, and the other form."""
-        before, after = self._unseen_std.T
-        form = np.array([one.form_std for one in self.found])
-        start, lasting = np.hypot(form[:, 0], before), np.sqrt(form[:, 1] ** 2 + before**2 + after**2)
-        return np.column_stack([start, lasting, form[:, 2]]).ravel()
+    def standard_errors(self, of_fit: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return those with which they were found: rows of the whole run say little of one event's errors."""
+        return np.array([(one.start_std, one.duration_std, one.torque_std) for one in self.found]).ravel()
+
+    def pulses(self, psi: Floats, factors: Floats) -> list[Pulse]:
+        """Return the pushes as they are by some psi and impulses."""
+        return [
+            replace(one, start_s=float(start), duration_s=float(lasting), torque_N_m=float(impulse / lasting))
+            for one, (start, lasting), impulse in zip(self.found, self._places(psi), factors, strict=True)
+        ]
 
     def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
         """Say which numbers are known: those with a standard error, but a torque only if what was seen lasted.

@@ -145,7 +145,7 @@ def _numbers(
     variance = np.maximum(np.einsum("ij,jk,ik->i", turns, np.nan_to_num(covariance), turns), 0.0)
     is_undetermined = np.isnan(np.diag(covariance))
     variance[np.any(turns[:, is_undetermined] != 0.0, axis=1)] = np.nan
-    std = np.sqrt(variance + hypothesis.hidden(regression.motions, values) ** 2)
+    std = hypothesis.standard_errors(np.sqrt(variance), regression.motions)
     known = hypothesis.determined(values, std)
     std = np.where(known, std, np.nan)
     columns = hypothesis.names, values, std, hypothesis.units(regression.arm), known

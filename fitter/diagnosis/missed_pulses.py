@@ -58,7 +58,7 @@ def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse
     found = list[Pulse]()
     for _ in range(ITERATIONS):
         beside = robustly_fitted(regression, fitted_with_pulses(regression, final, found))
-        residual = residual_torques(regression, _without_pulses(final, beside))
+        residual = residual_torques(regression, without_pulses(beside, len(final.model.hypotheses)))
         found = find_pulses(residual, least)
         rounds.append((residual_log_evidence(residual, found), found))
         if not found or any(are_same(found, one) for _, one in rounds[:-1]):
@@ -73,7 +73,7 @@ def _gain(
     residuals = []
     for model, found in (one, other):
         candidate = robustly_fitted(regression, fitted_with_pulses(regression, model, found))
-        residuals.append(residual_torques(regression, _without_pulses(model, candidate)))
+        residuals.append(residual_torques(regression, without_pulses(candidate, len(model.model.hypotheses))))
     known = [a.known & b.known for a, b in zip(*residuals, strict=True)]
     shared = [
         [replace(trial, known=where) for trial, where in zip(trials, known, strict=True)] for trials in residuals
@@ -81,11 +81,14 @@ def _gain(
     return residual_log_evidence(shared[0], one[1]) - residual_log_evidence(shared[1], other[1])
 
 
-def _without_pulses(final: Candidate, candidate: Candidate) -> Candidate:
-    """Return a model that was fitted with pushes without them, its other numbers as they are."""
-    n_hypothesis = len(final.model.hypotheses)
-    model = candidate.model.only([k < n_hypothesis for k in range(len(candidate.model.hypotheses))])
-    return replace(candidate, model=model, x=candidate.x[: len(final.x)])
+def without_pulses(candidate: Candidate, first: int = 0) -> Candidate:
+    """Return a model without its pushes, its other numbers as they are; from its ``first`` hypothesis on."""
+    model = candidate.model
+    kept = [k < first or not isinstance(one, DisturbancePulses) for k, one in enumerate(model.hypotheses)]
+    of_column = np.repeat(kept, [one.n_column for one in model.hypotheses]).astype(np.bool_)
+    n_base = len(candidate.x) - model.n_column
+    x = np.concatenate([candidate.x[:n_base], candidate.x[n_base:][of_column]])
+    return replace(candidate, model=model.only(kept), x=x)
 
 
 def fitted_with_pulses(regression: Regression, final: Candidate, found: Sequence[Pulse]) -> Candidate:

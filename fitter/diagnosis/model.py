@@ -150,9 +150,9 @@ class Hypothesis(ABC):
         bounds = (kinds.get(name, kinds.get(stem)) for stem, name in named)
         return all(one is None or one.low <= value <= one.high for one, value in zip(bounds, values, strict=True))
 
-    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
-        """Return standard errors, (n_number,), of what these motions hide from any fit, such as times at rest."""
-        return np.zeros(len(values))
+    def standard_errors(self, of_fit: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return the standard errors of its numbers, (n_number,), with what motions hide from a fit."""
+        return of_fit
 
     def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
         """Say which of its numbers (n_number,) are known, by their standard errors; NaN is no error."""

@@ -98,11 +98,11 @@ class Payload(Hypothesis):
         """Return the mass, and from when on it is there."""
         return np.concatenate([factors, self._since(psi)])
 
-    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
-        """Return what no fit shows of the moment: the acceleration jumps there, and the filter smears that."""
-        errors = np.zeros(len(values))
-        errors[1:] = _smeared_s(motions) / np.sqrt(12.0)  # uniform
-        return errors
+    def standard_errors(self, of_fit: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return them with what no fit shows of the moment: the filter smears a jump of the acceleration."""
+        hidden = np.zeros(len(of_fit))
+        hidden[1:] = _smeared_s(motions) / np.sqrt(12.0)  # uniform
+        return np.asarray(np.hypot(of_fit, hidden))
 
     @property
     def names(self) -> tuple[str, ...]:

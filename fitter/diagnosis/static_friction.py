@@ -140,9 +140,9 @@ class HeldStribeck(JointHypothesis):
         u[:, self.joints[0]] -= self.torque(hypothetical, psi)[:, 0]
         return replace(hypothetical, u=u)
 
-    def hidden(self, motions: Sequence[Motion], values: Floats) -> Floats:
-        """Return the errors that the height brings with it."""
-        return self._errors
+    def standard_errors(self, of_fit: Floats, motions: Sequence[Motion]) -> Floats:
+        """Return them with the errors that the height brings."""
+        return np.asarray(np.hypot(of_fit, self._errors))
 
 
 @dataclass(frozen=True)

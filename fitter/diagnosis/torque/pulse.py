@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.data.derivatives import lowpass
+from fitter.data.derivatives import lowpass, settling_samples
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 
 FORMS = ("rectangular", "bell")
@@ -103,8 +103,12 @@ def pulse_area(until: Floats, start_s: float, duration_s: float, form: str) -> F
     return np.asarray(duration_s * (u - np.sin(2.0 * np.pi * u) / (2.0 * np.pi)))
 
 
-def seen(rows: Rows, start_s: float, duration_s: float, form: str) -> tuple[int, Floats]:
+def seen(
+    rows: Rows, start_s: float, duration_s: float, form: str, reach_s: float | None = None
+) -> tuple[int, Floats]:
     """Return a pulse of size one as rows see it: behind their low-pass filter, as means over each row's samples.
+
+    The filter reaches for ``reach_s``; until it has settled if None.
 
     Returns
     -------
@@ -113,10 +117,11 @@ def seen(rows: Rows, start_s: float, duration_s: float, form: str) -> tuple[int,
     column : (m,)
         From there on, as long again as it lasts after its end: what follows from it in the background.
     """
-    period_s = 1.0 / rows.band_hz  # so far the filter reaches
-    first_s, last_s = _reach(start_s, duration_s, form)
-    first, last = np.searchsorted(rows.t, [first_s - period_s, last_s + period_s])
     step_s = rows.step_s / rows.n_sample
+    if reach_s is None:
+        reach_s = step_s * settling_samples(step_s, rows.band_hz) + rows.step_s  # a row is a mean
+    first_s, last_s = _reach(start_s, duration_s, form)
+    first, last = np.searchsorted(rows.t, [first_s - reach_s, last_s + reach_s])
     n_sample = (last - first) * rows.n_sample
     begin_s = rows.t[0] + (first - 0.5) * rows.step_s + 0.5 * step_s
     samples = pulse_means(begin_s + step_s * np.arange(n_sample), step_s, start_s, duration_s, form)
@@ -200,7 +205,7 @@ class Shapes:
         rows = Rows(
             t, 0.0 * t, np.ones(len(t), dtype=np.bool_), t[:, None], n_sample, band_hz, 0.0, 0.0, 0.0 * t, 0.0 * t
         )
-        parts = [seen(rows, -0.5 * step_s, *pair) for pair in pairs]
+        parts = [seen(rows, -0.5 * step_s, *pair, reach_s=1.0 / band_hz) for pair in pairs]
         self.before = np.array([n - first for first, _ in parts])
         self.length = np.array([len(part) for _, part in parts])
         self.values = np.zeros((len(pairs), int(self.length.max())))

@@ -63,7 +63,7 @@ class Search:
             evidence = float(np.logaddexp.reduce(at_places, axis=None))
             likely = (evidence, at_places), (float(attainable.max()), attainable)
             begun = {self._place(of) for nats, of in likely if nats >= least}
-            found = [self._near(r, place, evidence) for place in begun]
+            found = [self.near(place, evidence, r) for place in begun]
             pulse = max(found, key=lambda one: one.evidence, default=None)
             if pulse is None or max(evidence, pulse.evidence) < least:
                 self.remaining_evidence = at_places
@@ -83,9 +83,10 @@ class Search:
         shape, row = np.unravel_index(int(np.argmax(of)), of.shape)
         return float(self.rows.t[row]) - 0.5 * self.rows.step_s, float(self.shapes.duration_s[shape])
 
-    def _near(self, r: Floats, place: tuple[float, float], evidence: float) -> Pulse:
-        """Return the likeliest pulse near a place, of either form."""
-        return either([self._refined(r, *place, form, evidence) for form in FORMS])
+    def near(self, place: tuple[float, float], evidence: float, r: Floats | None = None) -> Pulse:
+        """Return the likeliest pulse near a start and a duration [s], of either form, in a residual (n,)."""
+        rows = self.rows.r if r is None else r
+        return either([self._refined(rows, *place, form, evidence) for form in FORMS])
 
     def _innovations(self, r: Floats) -> Floats:
         return self.kalman.weighted(r, self.nu).innovations(r)
@@ -158,11 +159,14 @@ class Search:
             return place[0] + place[1] * float(x[0]), place[1] * float(np.exp(x[1]))
 
         def at(place: tuple[float, float], noise: float) -> tuple[float, float, float]:
-            first, column = seen(self.rows, *place, form)
-            own, s = e[first : first + len(column)] / noise, kalman.innovations(column, first) / noise
+            first, part = seen(self.rows, *place, form)
+            # What a pulse did to the angles stays: of quiet angles the rows behind it tell most.
+            column = np.concatenate([part, np.zeros(len(e) - first - len(part))])
+            own, s = e[first:] / noise, kalman.innovations(column, first) / noise
             ratio, size, _ = _ratio(own, s, self.nu)
             # Past the trial's ends there is nothing that a place could miss.
-            return ratio, size, float(np.linalg.norm(own - size * s)) / float(np.sqrt(max(len(own), 1)))
+            near = slice(0, max(len(part), 1))
+            return ratio, size, float(np.sqrt(np.mean((own - size * s)[near] ** 2))) if len(own) else 0.0
 
         def sought(near: tuple[float, float], noise: float) -> tuple[float, float]:
             low, high = np.log([self.rows.step_s / near[1], LONGEST_PULSE_S / near[1]])

@@ -153,6 +153,38 @@ def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pul
     return total
 
 
+def at_likeliest(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> list[Pulse]:
+    """Return pulses at their likeliest places and sizes, beside the background that is likeliest without all.
+
+    Parameters
+    ----------
+    trials : sequence of ResidualTorque
+        Of a model without any of them.
+    pulses : sequence of Pulse
+        Near to where they are.
+    """
+    joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
+    now = list(pulses)
+    for _ in range(ITERATIONS):
+        before, now = now, [_beside_others(joints, now, k) for k in range(len(now))]
+        moved = [abs(a.impulse - b.impulse) / b.impulse_std for a, b in zip(before, now, strict=True)]
+        if max(moved, default=0.0) < NEGLIGIBLE:
+            break
+    return now
+
+
+def _beside_others(joints: Sequence[Sequence[Rows]], pulses: Sequence[Pulse], place: int) -> Pulse:
+    """Return one of some pulses at its likeliest place, the others where they are."""
+    one = pulses[place]
+    rows = beside_neighbours(joints, one.joint, pulses)
+    own = [pulse for pulse in pulses if pulse.joint == one.joint]
+    background = estimated(without(rows, own))
+    alone = without(rows, [pulse for pulse in own if pulse is not one])[one.trial]
+    filtered = background.filtered(alone)
+    search = Search(one.trial, one.joint, alone, filtered, background.degrees_of_freedom, abs(one.torque_N_m))
+    return search.near((one.start_s, one.duration_s), one.evidence)
+
+
 def _cost(rows: Sequence[Rows], pulses: Sequence[Pulse], n_joint: int) -> float:
     """Return what the places of some pulses and the priors of their sizes cost [nats]."""
     n_place = _n_place(rows, n_joint)

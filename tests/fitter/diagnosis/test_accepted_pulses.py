@@ -1,11 +1,14 @@
 """Each push is a cause by itself: none is one because it was found beside another."""
 
+import numpy as np
 import pytest
 
 from arm.model import Effect
 from fitter.diagnosis import accepted_pulses
-from fitter.diagnosis.accepted_pulses import with_pulses
+from fitter.diagnosis.accepted_pulses import with_likeliest_pulses, with_pulses
 from fitter.diagnosis.least_squares import MOST_CAUSES
+from fitter.diagnosis.model import Model
+from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.screening import screen
 from fitter.diagnosis.stepwise import Stepwise
 from fitter.diagnosis.torque.pulse import Pulse
@@ -47,3 +50,21 @@ def test_what_was_claimed_beside_a_push_goes_unless_it_has_evidence_of_its_own(m
     monkeypatch.setattr(accepted_pulses, "missed_pulses", lambda *_: claims)
     (step,) = with_pulses(*searched((LEARNT, 0.4, 1.5))).steps
     assert [one.start_s for one in step.hypothesis.found] == [LEARNT]
+
+
+def test_the_numbers_of_a_push_are_those_of_the_residual_over_time():
+    likelihood, search, found = searched((LEARNT, 0.4, 1.5))
+    regression, model = likelihood.regression, with_pulses(likelihood, search, found).final.candidate.model
+    before = fitted(regression, model)
+    after = with_likeliest_pulses(regression, before)
+    (push,) = after.model.hypotheses
+    numbers = push.numbers(after.model.psi[0], after.x[-1:])
+    errors = push.standard_errors(np.zeros(3), regression.motions)
+    assert np.all(np.abs(numbers - [LEARNT, 0.4, 1.5]) < 4.0 * errors)
+    assert np.all(after.squares <= 1.05 * before.squares)
+
+
+def test_a_model_without_pushes_stays_as_it_is():
+    regression = searched()[0].regression
+    plain = fitted(regression, Model())
+    assert with_likeliest_pulses(regression, plain) is plain

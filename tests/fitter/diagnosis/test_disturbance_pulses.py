@@ -64,7 +64,21 @@ def test_an_unseen_end_is_not_fitted():
     push = DisturbancePulses(KIND, 0, [replace(PULSE, unseen_s=(0.12, 0.0))])
     assert push.n_number == 2
     assert push.numbers(np.array([1.5]), np.array([1.5])) == pytest.approx([1.0, 0.3, 5.0])
-    assert push.hidden([], np.zeros(3)) == pytest.approx([0.12 / np.sqrt(12.0), 0.12 / np.sqrt(12.0), 0.0])
+
+
+def test_its_errors_are_those_with_which_it_was_found():
+    push = DisturbancePulses(KIND, 0, [PULSE])
+    errors = [PULSE.start_std, PULSE.duration_std, PULSE.torque_std]
+    assert push.standard_errors(np.full(3, 9.0), []).tolist() == errors
+
+
+def test_pulses_are_where_psi_and_impulses_have_them():
+    push = DisturbancePulses(KIND, 1, [PULSE, OTHER])
+    psi, impulses = np.array([1.0, 1.2, 0.9, 1.0]), np.array([0.8, -0.3])
+    found = push.pulses(psi, impulses)
+    numbers = [(one.start_s, one.duration_s, one.torque_N_m) for one in found]
+    assert np.ravel(numbers) == pytest.approx(push.numbers(psi, impulses))
+    assert [one.form for one in found] == [PULSE.form, OTHER.form]
 
 
 def test_the_torque_of_a_duration_that_may_be_zero_is_not_determined():
