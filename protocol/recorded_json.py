@@ -24,6 +24,7 @@ from protocol.schemas import SCHEMAS, schema_json
 
 JSON_TOPICS = frozenset({PLOT, HEALTH, TRIAL})
 JSON_ENCODING = "json"
+_JSON = json.JSONEncoder(allow_nan=False, separators=(",", ":"))
 
 
 def json_messages(topic: str, payload: bytes, t_ns: int) -> list[tuple[bytes, int]]:
@@ -91,7 +92,10 @@ def recorded_schema(topic: str, first: bytes) -> bytes:
 
 def _dumped(topic: str, document: Mapping[str, Any]) -> bytes:
     try:
-        return json.dumps(_strict(document), allow_nan=False, separators=(",", ":")).encode()
+        try:
+            return _JSON.encode(document).encode()  # as nearly always: plain values, all of them finite
+        except (TypeError, ValueError):
+            return _JSON.encode(_strict(document)).encode()
     except (TypeError, ValueError) as error:
         raise ProtocolError(f"{topic}: a field cannot be recorded as JSON: {error}") from error
 

@@ -6,7 +6,7 @@ a second; once a second the disk itself is made to have them, so a power cut cos
 
 import os
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from pathlib import Path
 from types import TracebackType
@@ -120,40 +120,44 @@ class RecordingWriter:
             found = [(*one, JSON_ENCODING) for one in json_messages(topic, payload, t_ns)]
         else:
             found = [(payload, t_ns, MESSAGE_ENCODING)]
-        for data, at_ns, encoding in found:
-            self._add(topic, data, at_ns, encoding)
-        self.unsafe += 1
-        self.poll()
+        self._add(topic, found)
 
     def copy(self, topic: str, data: bytes, t_ns: int, encoding: str) -> None:
         """Add a message of another recording as it was recorded there, in its encoding; else as `write`."""
-        self._add(topic, data, t_ns, encoding)
-        self.unsafe += 1
-        self.poll()
+        self._add(topic, [(data, t_ns, encoding)])
 
-    def _add(self, topic: str, data: bytes, t_ns: int, encoding: str) -> None:
-        if not 0 <= t_ns < 1 << 64:
-            raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
+    def _add(self, topic: str, found: Sequence[tuple[bytes, int, str]]) -> None:
+        """Add what is recorded of one message: data, time and encoding of each."""
         with self._disk():
-            channel = self._channels.get((topic, encoding))
-            if channel is None:
-                text = recorded_schema(topic, data) if encoding == JSON_ENCODING else schema_json(topic)
-                schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, text)
-                channel = self._channels[topic, encoding] = self._writer.register_channel(topic, encoding, schema)
-            sequence = self._sequences.get(topic, 0)
-            self._writer.add_message(channel, t_ns, data, t_ns, sequence % (1 << 32))
-            self._sequences[topic] = sequence + 1
+            for data, t_ns, encoding in found:
+                if not 0 <= t_ns < 1 << 64:
+                    raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
+                channel = self._channels.get((topic, encoding)) or self._channel(topic, data, encoding)
+                sequence = self._sequences.get(topic, 0)
+                self._writer.add_message(channel, t_ns, data, t_ns, sequence % (1 << 32))
+                self._sequences[topic] = sequence + 1
+            self.unsafe += 1
+            self._flush_if_due()
+
+    def _channel(self, topic: str, data: bytes, encoding: str) -> int:
+        text = recorded_schema(topic, data) if encoding == JSON_ENCODING else schema_json(topic)
+        schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, text)
+        channel = self._channels[topic, encoding] = self._writer.register_channel(topic, encoding, schema)
+        return channel
 
     def poll(self) -> None:
         """Flush and sync where it is time; call it a few times a second also when no message comes."""
-        now = self._clock()
         with self._disk():
-            if now - self._synced_s >= SYNC_PERIOD_S:
-                self._sync()
-                self._flushed_s = self._synced_s = now
-            elif now - self._flushed_s >= FLUSH_PERIOD_S:
-                self._writer.flush()  # type: ignore[no-untyped-call]
-                self._flushed_s, self.unsafe = now, 0
+            self._flush_if_due()
+
+    def _flush_if_due(self) -> None:
+        now = self._clock()
+        if now - self._synced_s >= SYNC_PERIOD_S:
+            self._sync()
+            self._flushed_s = self._synced_s = now
+        elif now - self._flushed_s >= FLUSH_PERIOD_S:
+            self._writer.flush()  # type: ignore[no-untyped-call]
+            self._flushed_s, self.unsafe = now, 0
 
     def close(self) -> None:
         """Write the index, make the disk have it all and close the file; harmless when repeated."""

@@ -1,6 +1,6 @@
 """From the pipeline to the recorder: every message byte for byte, and never waiting for the disk.
 
-Messages gather for a tenth of a second and leave as one, so that neither end is busy with each of them.
+Messages gather for a quarter of a second and leave as one, so that neither end is busy with each of them.
 """
 
 import time
@@ -15,13 +15,13 @@ from protocol.binding import bind, connect
 Context = zmq.Context[zmq.Socket[bytes]]
 
 #: How long messages are gathered before they are sent together [s].
-_GATHER_S = 0.1
+_GATHER_S = 0.25
 #: Sendings that wait, a minute of them. A disk that stalls for longer costs messages, which are counted.
-_QUEUE = 600
+_QUEUE = 240
 #: How long closing waits for what the recorder has not taken yet [ms].
 _LINGER_MS = 10_000
-#: What a sending has room for at first [bytes]: a tenth of a second at 32 kHz, and as much again.
-_ROOM_BYTES = 512 * 1024
+#: What a sending has room for at first [bytes]: a quarter of a second at 32 kHz, and as much again.
+_ROOM_BYTES = 1024 * 1024
 #: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"
 

@@ -13,12 +13,13 @@ import zmq
 from daemon.process.control_line import ControlLine, SupervisorGone
 from daemon.recording.record_link import Context, RecordInlet
 from daemon.recording.segments import Limits, Segments
-from limbcal.allocator import give_back, large_blocks_apart
+from limbcal.allocator import give_back, large_blocks_kept
 from limbcal.errors import DeviceError
 
-#: How long messages are waited for before one looks for a stop, and how often memory is given back [s].
-_POLL_S = 0.1
-_GIVE_BACK_S = 1.0
+#: How long messages are waited for before one looks for a stop, as long as they gather, and how often memory is
+#: given back [s].
+_POLL_S = 0.25
+_GIVE_BACK_S = 10.0
 #: The supervisor says stop when the pipeline has ended: an empty inlet then means that it said no goodbye. Where
 #: the supervisor itself is gone, the pipeline may still be busy with what the reader left.
 _QUIET_S = {"stop": 1.0, "gone": 10.0}
@@ -42,7 +43,7 @@ def run_recorder(
         file.parent.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise DeviceError(f"record.directory {file.parent} cannot be made: {error.strerror}") from error
-    large_blocks_apart()
+    large_blocks_kept()
     with ExitStack() as stack:
         context: Context = zmq.Context()
         stack.callback(context.term)

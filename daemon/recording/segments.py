@@ -5,7 +5,6 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import partial
 from pathlib import Path
 
 from daemon.recording.record_link import Entry
@@ -102,7 +101,7 @@ class Segments:
         for entry in entries:
             self._keep(entry)
             if not self.paused:
-                self._attempt(partial(self._put, entry))
+                self._attempt(self._put, entry)
         self._poll()
 
     def _poll(self) -> None:
@@ -161,10 +160,10 @@ class Segments:
         while len(self._kept) > but:
             self._kept_bytes -= len(self._kept.popleft().payload)
 
-    def _attempt(self, action: Callable[[], object]) -> None:
+    def _attempt(self, action: Callable[..., object], *what: Entry) -> None:
         unsafe = self._writer.unsafe
         try:
-            action()
+            action(*what)
         except DeviceError as error:
             self.messages -= min(unsafe, self._writer.unsafe)
             self._pause(str(error))

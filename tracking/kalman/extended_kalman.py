@@ -48,18 +48,63 @@ class CompiledKalmanFilter(ExtendedKalmanFilter):  # type: ignore[misc] # filter
 
 @compiled
 def predict(F: Floats, Q: Floats, x: Floats, P: Floats) -> tuple[Floats, Floats]:
-    """Return state and covariance a frame later."""
-    return F @ x, F @ P @ F.T + Q
+    """Return state and covariance a frame later. Most of ``F`` is zero, and is passed over."""
+    size = x.size
+    ahead, half, later = np.zeros(size), np.zeros((size, size)), Q.copy()
+    for a in range(size):
+        for c in range(size):
+            share = F[a, c]
+            if share != 0.0:
+                ahead[a] += share * x[c]
+                for b in range(size):
+                    half[b, a] += share * P[c, b]
+    for a in range(size):
+        for c in range(size):
+            share = F[a, c]
+            if share != 0.0:
+                for b in range(size):
+                    later[a, b] += share * half[c, b]
+    symmetrise(later)
+    return ahead, later
+
+
+@compiled
+def symmetrise(P: Floats) -> None:
+    """Take out what rounding has made of a covariance that is symmetric."""
+    for a in range(P.shape[0]):
+        for b in range(a):
+            P[a, b] = P[b, a] = 0.5 * (P[a, b] + P[b, a])
 
 
 @compiled
 def correct(
     x: Floats, P: Floats, z: Floats, H: Floats, predicted: Floats, at: Floats, R: Floats
-) -> tuple[Floats, Floats, np.float64]:
-    """Do the steps in filterpy's order, with its form of the covariance (Joseph's), which stays positive."""
-    PHT = P @ H.T
-    inverse = np.linalg.inv(H @ PHT + R)
-    gain = PHT @ inverse
-    miss = z - predicted - H @ (x - at)
-    I_KH = np.eye(x.size) - gain @ H
-    return x + gain @ miss, I_KH @ P @ I_KH.T + gain @ R @ gain.T, np.dot(miss, inverse @ miss)
+) -> tuple[Floats, Floats, float]:
+    """Take in readings one after the other, whose noise is independent: the diagonal of ``R`` is all that counts.
+
+    What comes of it is what comes of all at once, to rounding, without a matrix to be inverted. The innovation's
+    squared size is the sum of theirs, each by its own variance after those before it.
+    """
+    size, squared = x.size, 0.0
+    x, P, gain = x.copy(), P.copy(), np.empty(size)
+    for i in range(z.size):
+        miss, total = z[i] - predicted[i], R[i, i]
+        gain[:] = 0.0
+        for c in range(size):
+            slope = H[i, c]
+            if slope != 0.0:
+                miss -= slope * (x[c] - at[c])
+                for a in range(size):
+                    gain[a] += slope * P[c, a]
+        for c in range(size):
+            total += H[i, c] * gain[c]
+        if total == 0.0:
+            raise np.linalg.LinAlgError("A reading without noise tells nothing.")
+        for a in range(size):
+            share = gain[a] / total
+            x[a] += share * miss
+            for b in range(size):
+                P[a, b] -= share * gain[b]
+        squared += miss * miss / total
+    symmetrise(P)
+    return x, P, squared

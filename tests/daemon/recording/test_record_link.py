@@ -50,7 +50,7 @@ def test_messages_arrive_as_they_were_together_and_in_order(link: RecordLink, in
     assert link.lost == 0
 
 
-def test_they_gather_for_a_tenth_of_a_second(
+def test_they_gather_for_a_quarter_of_a_second(
     link: RecordLink, inlet: RecordInlet, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     now_s = 100.0
@@ -58,11 +58,11 @@ def test_they_gather_for_a_tenth_of_a_second(
     link.flush()
     inlet.receive(WAIT_S)
     link.write([b"a", b"1"], 1)
-    now_s = 100.05
+    now_s = 100.24
     link.poll()
     assert inlet.receive(0.0) == []
     link.write([b"a", b"2"], 2)
-    now_s = 100.11
+    now_s = 100.26
     link.poll()
     assert [one.t_ns for one in inlet.receive(WAIT_S)] == [1, 2]
     link.poll()
