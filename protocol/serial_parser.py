@@ -7,6 +7,7 @@ lost, the next good frame begins inside the span that the broken header claims.
 
 import zlib
 from dataclasses import dataclass
+from typing import NamedTuple
 
 from limbcal.errors import ProtocolError
 from protocol.device_info import DeviceInfo
@@ -25,7 +26,7 @@ from protocol.serial_frame import (
     SamplesRun,
     header_crc,
 )
-from protocol.serial_scan import scan, warm_up
+from protocol.serial_scan import NUMBER_AT, REST_AT, TICKS_AT, scan, warm_up
 
 Frame = SamplesFrame | InfoFrame
 #: What a parser finds: as many frames at once as follow each other alike.
@@ -62,6 +63,34 @@ class ParserCounters:
     malformed: int = 0
 
 
+class _Like(NamedTuple):
+    """What a frame of samples is like, number and clock apart: in a steady stream so are those that follow it."""
+
+    begin: bytes
+    rest: bytes
+    size: int
+    n_sample: int
+    n_channel: int
+
+    @classmethod
+    def of(cls, block: bytes, position: int, size: int, n_sample: int, n_channel: int) -> "_Like":
+        header = block[position : position + HEADER.size]
+        return cls(header[:NUMBER_AT], header[REST_AT:], size, n_sample, n_channel)
+
+    def is_at(self, block: bytes, position: int) -> bool:
+        """Say whether what comes next seems to be such a frame."""
+        whole = position + HEADER_BYTES <= len(block)
+        return whole and block.startswith(self.begin, position) and block.startswith(self.rest, position + REST_AT)
+
+    def run(self, block: bytes, position: int) -> SamplesRun | None:
+        """Return such frames from here on, if there is a good one."""
+        ticks, counts = scan(block, position, self.size, self.n_sample, self.n_channel, good=False)
+        if not ticks:
+            return None
+        number = int.from_bytes(block[position + NUMBER_AT : position + TICKS_AT], "little")
+        return SamplesRun(number, ticks, counts)
+
+
 class FrameParser:
     """Parses a byte stream block by block; the frames are the same however the stream is cut into blocks.
 
@@ -81,6 +110,7 @@ class FrameParser:
         self._need = HEADER_BYTES  # bytes without which nothing more can be said
         self._offset = 0  # place in the stream of the first pending byte
         self._due = 0  # place in the stream where a frame is due, if the stream is in step
+        self._like: _Like | None = None  # what the last frame of samples was like
         warm_up()  # no byte is to wait for a compiler
 
     @property
@@ -95,12 +125,12 @@ class FrameParser:
 
     def feed_runs(self, data: bytes | bytearray | memoryview) -> list[Found]:
         """Do what `feed` does, without taking runs of frames apart."""
-        self._pending += data
-        if len(self._pending) < self._need:
+        if len(self._pending) + len(data) < self._need:
+            self._pending += data
             return []
-        block = bytes(self._pending)
+        block = b"".join((self._pending, data))
         found, used = self._parse(block)
-        del self._pending[:used]
+        self._pending = bytearray(block[used:])
         self._offset += used
         return found
 
@@ -119,6 +149,13 @@ class FrameParser:
         position, end = 0, len(block)
         self._need = HEADER_BYTES
         while True:
+            if (like := self._steady(block, position)) is not None:
+                if position + like.size > end and _header_crc_good(block, position):
+                    self._need = like.size
+                    return found, position
+                if run := like.run(block, position):
+                    position = self._note(run, found, position, like.size)
+                    continue
             position = self._hunt(block, position)
             payload_start = position + HEADER_BYTES
             if payload_start > end:
@@ -144,18 +181,30 @@ class FrameParser:
             if version == VERSION and kind == KIND_SAMPLES:
                 frame_bytes = frame_end - position
                 run = SamplesRun(sequence, *scan(block, position, frame_bytes, n_sample, n_channel))
-                counters.frames += len(run.ticks)
-                found.append(run)
-                frame_end = position + len(run.ticks) * frame_bytes
+                self._like = _Like.of(block, position, frame_bytes, n_sample, n_channel)
+                position = self._note(run, found, position, frame_bytes)
+                continue
+            info = self._info_frame(version, sequence, ticks, bytes(payload))
+            if info is None:
+                counters.discarded_bytes += frame_end - position
             else:
-                info = self._info_frame(version, sequence, ticks, bytes(payload))
-                if info is None:
-                    counters.discarded_bytes += frame_end - position
-                else:
-                    counters.frames += 1
-                    found.append(info)
+                counters.frames += 1
+                found.append(info)
             position = frame_end
             self._due = self._offset + position
+
+    def _steady(self, block: bytes, position: int) -> _Like | None:
+        """Return what the last samples were like, if a frame is due here that seems to be like them."""
+        due = self._offset + position == self._due
+        return self._like if due and self._like is not None and self._like.is_at(block, position) else None
+
+    def _note(self, run: SamplesRun, found: list[Found], position: int, size: int) -> int:
+        """Add a run of frames of some size; return where it ends."""
+        self.counters.frames += len(run.ticks)
+        found.append(run)
+        position += len(run.ticks) * size
+        self._due = self._offset + position
+        return position
 
     def _hunt(self, block: bytes, position: int) -> int:
         """Return where the next magic begins, or may begin with what is still to come."""
@@ -188,8 +237,7 @@ class FrameParser:
             self._due += HEADER_BYTES + size + PAYLOAD_CRC_BYTES
 
     def _header_good(self, block: bytes, covered: memoryview, position: int, due: bool) -> bool:
-        (crc,) = HEADER_CRC.unpack_from(block, position + HEADER.size)
-        if header_crc(covered) != crc:
+        if not _header_crc_good(block, position):
             self.counters.crc_errors += due
             return False
         _, version, kind, _, _, n_sample, n_channel, size = HEADER.unpack_from(covered)
@@ -216,6 +264,11 @@ class FrameParser:
     def _reject(self, found: str) -> None:
         self.counters.malformed += 1
         self.last_error = f"serial frame: {found}"
+
+
+def _header_crc_good(block: bytes, position: int) -> bool:
+    (crc,) = HEADER_CRC.unpack_from(block, position + HEADER.size)
+    return bool(header_crc(block[position : position + HEADER.size]) == crc)
 
 
 def _plausible(kind: int, n_sample: int, n_channel: int, size: int) -> bool:

@@ -16,7 +16,7 @@ from protocol.serial_frame import HEADER, HEADER_BYTES, PAYLOAD_CRC_BYTES, encod
 Bytes = NDArray[np.uint8]
 
 #: Where a header has its number and its clock.
-_NUMBER, _TICKS, _REST = 4, 8, 16
+NUMBER_AT, TICKS_AT, REST_AT = 4, 8, 16
 _CRC_AT, _FIRST_CRC_16, _ALL_ONES = HEADER.size, 0xFFFF, 0xFFFFFFFF
 #: What CRC-16/CCITT-FALSE makes of one more byte.
 _CRC_16 = np.array([binascii.crc_hqx(bytes([byte]), 0) for byte in range(256)], dtype=np.uint16)
@@ -40,9 +40,9 @@ _CRC_32 = _crc_32_tables()
 
 
 def scan(
-    block: bytes, start: int, size: int, n_sample: int, n_channel: int
+    block: bytes, start: int, size: int, n_sample: int, n_channel: int, good: bool = True
 ) -> tuple[list[int], NDArray[np.int16]]:
-    """Take out a good frame of samples and the good ones right after it that are laid out and numbered on alike.
+    """Take out a frame of samples and the good ones right after it that are laid out and numbered on alike.
 
     Parameters
     ----------
@@ -51,6 +51,8 @@ def scan(
         Where in the block the first frame is, and its bytes.
     n_sample, n_channel : int
         What is in it.
+    good : bool
+        The first frame's checksums are known to be right; otherwise nothing is taken out if they are not.
 
     Returns
     -------
@@ -61,7 +63,7 @@ def scan(
     most = (len(block) - start) // size
     ticks = np.empty(most, dtype=np.uint64)
     counts = np.empty((most * n_sample, n_channel), dtype=np.int16)
-    n = _scan(np.frombuffer(block, np.uint8), start, size, ticks, counts.reshape(-1))
+    n = _scan(np.frombuffer(block, np.uint8), start, size, ticks, counts.reshape(-1), good)
     return ticks[:n].tolist(), counts[: n * n_sample]
 
 
@@ -73,21 +75,23 @@ def warm_up() -> None:
 
 
 @compiled
-def _scan(block: Bytes, start: int, size: int, ticks: NDArray[np.uint64], counts: NDArray[np.int16]) -> int:
+def _scan(
+    block: Bytes, start: int, size: int, ticks: NDArray[np.uint64], counts: NDArray[np.int16], good: bool
+) -> int:
     first = block[start : start + size]
     begin, end = HEADER_BYTES, size - PAYLOAD_CRC_BYTES
     n_count = (end - begin) // 2
-    number = _little(first, _NUMBER, _TICKS)
+    number = _little(first, NUMBER_AT, TICKS_AT)
     for k in range(ticks.size):
         frame = block[start + k * size : start + (k + 1) * size]
-        if k > 0 and not (
-            _little(frame, _NUMBER, _TICKS) == (number + k) & _ALL_ONES
+        if not (k == 0 and good) and not (
+            _little(frame, NUMBER_AT, TICKS_AT) == (number + k) & _ALL_ONES
             and _alike(frame, first)
             and _crc_16(frame[:_CRC_AT]) == _little(frame, _CRC_AT, begin)
             and _crc_32(frame[begin:end]) == _little(frame, end, size)
         ):
             return k
-        ticks[k] = _little(frame, _TICKS, _REST)
+        ticks[k] = _little(frame, TICKS_AT, REST_AT)
         for i in range(n_count):
             value = np.uint16(frame[begin + 2 * i]) | np.uint16(frame[begin + 2 * i + 1]) << np.uint16(8)
             counts[k * n_count + i] = np.int16(value)
@@ -98,7 +102,7 @@ def _scan(block: Bytes, start: int, size: int, ticks: NDArray[np.uint64], counts
 def _alike(frame: Bytes, first: Bytes) -> bool:
     """Say whether a header is another's but for its number and its clock."""
     for i in range(_CRC_AT):
-        if not _NUMBER <= i < _REST and frame[i] != first[i]:
+        if not NUMBER_AT <= i < REST_AT and frame[i] != first[i]:
             return False
     return True
 

@@ -4,6 +4,7 @@ A counter of 32 bits at 10 MHz is back at zero after 429 s. What it stood at bef
 say how often it has passed zero since; a device that was restarted stands at a number that they do not explain.
 """
 
+from collections.abc import Sequence
 from dataclasses import replace
 
 from protocol.serial_frame import InfoFrame, SamplesRun
@@ -44,8 +45,12 @@ class TickCounter:
         """
         if isinstance(found, InfoFrame):  # whose clock is no sample's; it may be of another device
             return replace(found, ticks=found.ticks + self._turned) if self._turned else found
-        ticks = [tick + self.shift(tick, arrival_ns) for tick in found.ticks]
-        return SamplesRun(found.sequence, ticks, found.counts)
+        ticks, shift = found.ticks, self.shift(found.ticks[0], arrival_ns)
+        if shift == self._turned and (self._wide or _rises(ticks)):  # as nearly always: no turn is among them
+            self._last = ticks[-1] + shift
+            return SamplesRun(found.sequence, [tick + shift for tick in ticks], found.counts) if shift else found
+        others = [tick + self.shift(tick, arrival_ns) for tick in ticks[1:]]
+        return SamplesRun(found.sequence, [ticks[0] + shift, *others], found.counts)
 
     def shift(self, ticks: int, arrival_ns: int) -> int:
         """Return what is to be added to ``ticks`` of a frame that arrived then.
@@ -69,3 +74,8 @@ class TickCounter:
                 self._turned += turns * _TURN
         self._last, self._last_ns = ticks + self._turned, arrival_ns
         return self._turned
+
+
+def _rises(ticks: Sequence[int]) -> bool:
+    """Say whether a counter goes on from each to the next, by less than half a turn in all."""
+    return ticks[-1] < _TURN and ticks[-1] - ticks[0] <= _TURN // 2 and ticks == sorted(ticks)

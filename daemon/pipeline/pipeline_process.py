@@ -9,6 +9,7 @@ import zmq
 from daemon.acquisition.handshake import Handshake, check_channels
 from daemon.acquisition.ring import Memory, Ring
 from daemon.config.config import WAIT_ADVICE, Setup
+from daemon.pipeline.looks import Looks
 from daemon.pipeline.pipeline import Pipeline, tracker_for
 from daemon.pipeline.recorded_gaps import RecordedGaps
 from daemon.process.control_line import ControlLine, SupervisorGone
@@ -16,7 +17,7 @@ from daemon.process.early_stop import stopped_early
 from daemon.reception.reception import Reception
 from daemon.recording.record_link import Context, RecordLink
 from daemon.recording.recorded_run import RecordedClock
-from limbcal.allocator import give_back, large_blocks_apart
+from limbcal.allocator import give_back, large_blocks_kept
 from limbcal.command import console
 from limbcal.errors import ConfigError, DeviceError
 from limbcal.real_time import PIPELINE, ask_for_real_time
@@ -63,7 +64,7 @@ def run_pipeline(
     LimbcalError
         If the endpoint is taken, or the device sends nothing of sense or does not fit the arm.
     """
-    large_blocks_apart()
+    large_blocks_kept()
     with ExitStack() as stack:
         context: Context = zmq.Context()
         stack.callback(context.term)
@@ -156,6 +157,7 @@ def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publis
     next_health_s = time.monotonic() + _HEALTH_S
     abandoned_s: float | None = None
     asked_s, announced = 0.0, False
+    looks = Looks()
     while True:
         publisher.attend()  # also where no samples come
         closed = ring.closed  # asked before reading: what was written before the close is then in it
@@ -175,15 +177,15 @@ def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publis
             give_back()
             next_health_s += _HEALTH_S * (1 + (now_s - next_health_s) // _HEALTH_S)
         if abandoned_s is None:
-            abandoned_s = _when_abandoned(line)
+            abandoned_s = _when_abandoned(line, looks.wait_s(chunks, time.monotonic_ns()))
         else:
             time.sleep(_LOOK_S)
 
 
-def _when_abandoned(line: ControlLine) -> float | None:
+def _when_abandoned(line: ControlLine, wait_s: float) -> float | None:
     """Wait for the next look; where a stop was said meanwhile, return when to give up on the reader."""
     try:
-        said = line.hear(_LOOK_S)
+        said = line.hear(wait_s)
     except SupervisorGone:
         return time.monotonic() + _ABANDONED_S
     if said is not None and said["what"] == "stop":

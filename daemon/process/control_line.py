@@ -1,6 +1,7 @@
 """What the supervisor and a child say to each other: small JSON documents over a pipe of their own."""
 
 import json
+import math
 import select
 from multiprocessing.connection import Connection
 from typing import Any
@@ -44,7 +45,7 @@ class ControlLine:
             If the other end is closed.
         """
         try:
-            if not self._readable.poll(round(1000 * timeout_s)):
+            if not self._readable.poll(math.ceil(1000 * timeout_s)):
                 return None
             said: Said = json.loads(self._connection.recv_bytes())
         except (EOFError, ConnectionResetError) as error:

@@ -1,6 +1,6 @@
 """Frames in the order of their numbers: one that is early waits for those before it, one that is doubled goes."""
 
-from collections import OrderedDict
+from collections import deque
 from collections.abc import Sequence
 
 from protocol.serial_frame import HALF_WAY, SEQUENCES, SamplesRun
@@ -28,7 +28,8 @@ class Sequencer:
         self.late = 0
         self._due: int | None = None
         self._early: dict[int, Frame] = {}
-        self._recent: OrderedDict[int, int] = OrderedDict()
+        self._recent: deque[tuple[int, Sequence[int]]] = deque()  # frames in a row: the first's number, clocks
+        self._kept = 0
 
     @property
     def waiting(self) -> int:
@@ -83,24 +84,30 @@ class Sequencer:
 
     def _note(self, sequence: int, ticks: Sequence[int]) -> None:
         """Note frames in a row by their clocks; the first has the number ``sequence``."""
-        end = sequence + len(ticks)
-        self._due = end % SEQUENCES
-        self._recent.update(zip([number % SEQUENCES for number in range(sequence, end)], ticks, strict=True))
-        while len(self._recent) > 2 * _NEAR:
-            self._recent.popitem(last=False)
+        self._due = (sequence + len(ticks)) % SEQUENCES
+        self._recent.append((sequence, ticks))
+        self._kept += len(ticks)
+        while self._kept - len(self._recent[0][1]) >= 2 * _NEAR:
+            self._kept -= len(self._recent.popleft()[1])
 
     def _is_old(self, frame: Frame) -> bool:
         """Say whether a frame with a passed number is one of this stream, and not of a device that counts anew."""
-        if frame.sequence in self._recent:
-            if self._recent[frame.sequence] != frame.ticks:
+        clocks = self._clocks()
+        if frame.sequence in clocks:
+            if clocks[frame.sequence] != frame.ticks:
                 return False
             self.doubled += 1
             return True
-        before = [self._recent[number] for number in self._recent if _signed(frame.sequence - number) > 0]
+        before = [ticks for number, ticks in clocks.items() if _signed(frame.sequence - number) > 0]
         if before and frame.ticks < max(before):
             return False
         self.late += 1
         return True
+
+    def _clocks(self) -> dict[int, int]:
+        """Return the clocks of the last frames by their numbers."""
+        recent = [((one + k) % SEQUENCES, tick) for one, ticks in self._recent for k, tick in enumerate(ticks)]
+        return dict(recent[-2 * _NEAR :])
 
 
 def _signed(difference: int) -> int:

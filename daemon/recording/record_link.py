@@ -4,7 +4,7 @@ Messages gather for a quarter of a second and leave as one, so that neither end 
 """
 
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import msgpack
@@ -24,6 +24,10 @@ _LINGER_MS = 10_000
 _ROOM_BYTES = 1024 * 1024
 #: No packed list begins like these.
 _HELLO, _END = b"hello", b"end"
+
+
+#: A message's topic and payload, or what returns them.
+Message = Sequence[bytes] | Callable[[], Sequence[bytes]]
 
 
 class Entry(NamedTuple):
@@ -50,7 +54,7 @@ class RecordLink:
     def __init__(self, context: Context, endpoint: str, recording: str) -> None:
         self.recording: str | None = recording
         self.lost = self.removed = 0
-        self._gathered: list[tuple[bytes, bytes, int]] = []
+        self._gathered: list[tuple[Message, int]] = []
         self._due_s = 0.0
         self._packer = _packer()
         self._socket = context.socket(zmq.PAIR)
@@ -59,10 +63,9 @@ class RecordLink:
         connect(self._socket, endpoint)
         self._send(_HELLO)
 
-    def write(self, parts: Sequence[bytes], t_ns: int) -> None:
-        """Hand over a message, topic and payload, and its time."""
-        topic, payload = parts
-        self._gathered.append((topic, payload, t_ns))
+    def write(self, message: Message, t_ns: int) -> None:
+        """Hand over a message, topic and payload or what returns them once they are sent, and its time."""
+        self._gathered.append((message, t_ns))
 
     def poll(self) -> None:
         """Send what has gathered, if it is time."""
@@ -74,7 +77,7 @@ class RecordLink:
         self._due_s = time.monotonic() + _GATHER_S
         if self._gathered:
             gathered, self._gathered = self._gathered, []
-            self._packer.pack(gathered)
+            self._packer.pack([(*(one() if callable(one) else one), t_ns) for one, t_ns in gathered])
             with self._packer.getbuffer() as packed:
                 size = len(packed)
                 if not self._send(packed):

@@ -47,19 +47,31 @@ class SensorPaths:
         still : (n,)
             The arm rests: velocities are zero.
         """
-        felt = readings.reshape(len(readings), -1, 3) / self._scale
-        turned = frames_of(self._chain, q)[:, self._link, :3, :3] @ self._rotation
-        moved = np.empty(felt.shape)
+        moved = np.empty((len(q), len(self._link), 3))
         _integrate(
-            turned, felt, self._gravity, still, self._dt_s, self._acceleration, self._velocity, self._moved, moved
+            frames_of(self._chain, q),
+            self._link,
+            self._rotation,
+            readings,
+            self._scale,
+            self._gravity,
+            still,
+            self._dt_s,
+            self._acceleration,
+            self._velocity,
+            self._moved,
+            moved,
         )
         return moved
 
 
 @compiled
 def _integrate(
-    turned: Floats,
-    felt: Floats,
+    frames: Floats,
+    link: NDArray[np.int64],
+    rotation: Floats,
+    readings: Floats,
+    scale: Floats,
     gravity: Floats,
     still: NDArray[np.bool_],
     dt: float,
@@ -69,13 +81,19 @@ def _integrate(
     moved: Floats,
 ) -> None:
     """Integrate twice, taking the acceleration to change evenly in between; the state is carried on."""
-    for k in range(felt.shape[0]):
-        for s in range(felt.shape[1]):
-            for c in range(3):
-                now = 0.0
+    felt, turned = np.empty(3), np.empty(3)
+    for k in range(moved.shape[0]):
+        for s in range(link.size):
+            for axis in range(3):
+                felt[axis] = readings[k, 3 * s + axis] / scale[s, axis]
+            for axis in range(3):  # sensor axes -> link axes
+                turned[axis] = 0.0
+                for of in range(3):
+                    turned[axis] += rotation[s, axis, of] * felt[of]
+            for c in range(3):  # link axes -> base frame
+                now = gravity[c]
                 for axis in range(3):
-                    now += turned[k, s, c, axis] * felt[k, s, axis]
-                now += gravity[c]
+                    now += frames[k, link[s], c, axis] * turned[axis]
                 if np.isnan(now):
                     now = 0.0
                 if still[k]:

@@ -80,6 +80,9 @@ class World:
     def monotonic(self) -> float:
         return self.now_s
 
+    def monotonic_ns(self) -> int:
+        return round(1e9 * self.now_s)
+
     def sleep(self, seconds: float) -> None:
         self.slept += 1
         self.now_s += seconds
@@ -91,7 +94,8 @@ class World:
 @pytest.fixture
 def world(monkeypatch: pytest.MonkeyPatch) -> World:
     made = World()
-    monkeypatch.setattr(module, "time", SimpleNamespace(monotonic=made.monotonic, sleep=made.sleep))
+    clock = SimpleNamespace(monotonic=made.monotonic, monotonic_ns=made.monotonic_ns, sleep=made.sleep)
+    monkeypatch.setattr(module, "time", clock)
     return made
 
 

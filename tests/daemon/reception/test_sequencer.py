@@ -71,7 +71,9 @@ def test_runs_leave_as_their_frames_would(runs: list[tuple[int, int]], first: in
             left += one.frames() if isinstance(one, SamplesRun) else [one]
         expected = [one for frame in run.frames() for one in single.put(frame)]
         assert [(one.sequence, one.ticks) for one in left] == [(one.sequence, one.ticks) for one in expected]
-    assert vars(whole) | {"_early": 0} == vars(single) | {"_early": 0}
+    assert whole._clocks() == single._clocks()
+    runs_of = {"_early": 0, "_recent": 0, "_kept": 0}
+    assert vars(whole) | runs_of == vars(single) | runs_of
     assert list(whole._early) == list(single._early)
 
 
