@@ -4,15 +4,9 @@ import ctypes
 from collections.abc import Callable
 
 _MMAP_THRESHOLD = -3  # M_MMAP_THRESHOLD of mallopt(3)
-_LARGE_BYTES = 128 * 1024  # glibc's own at the start; set, it no longer grows with what is freed
 _TRIM_THRESHOLD = -1  # M_TRIM_THRESHOLD
 #: Blocks up to this are kept, the most that glibc allows; and what may lie free at the heap's end: any amount.
 _KEPT_BYTES, _ANY_BYTES = 32 * 1024 * 1024, 2**31 - 1
-
-
-def large_blocks_apart() -> None:
-    """Have each large block mapped by itself, for as long as the process runs: freed, it is given back at once."""
-    _glibc("mallopt", _MMAP_THRESHOLD, _LARGE_BYTES)
 
 
 def large_blocks_kept() -> None:

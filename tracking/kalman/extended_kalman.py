@@ -35,7 +35,7 @@ class CompiledKalmanFilter(ExtendedKalmanFilter):  # type: ignore[misc] # filter
             What they would be in the state ``at``.
         at : (dim_x,)
         R : (n, n)
-            Covariance of their noise.
+            Covariance of their noise, which is independent: a diagonal.
 
         Raises
         ------
@@ -98,7 +98,7 @@ def correct(
                     gain[a] += slope * P[c, a]
         for c in range(size):
             total += H[i, c] * gain[c]
-        if total == 0.0:
+        if not total > 0.0:
             raise np.linalg.LinAlgError("A reading without noise tells nothing.")
         for a in range(size):
             share = gain[a] / total
