@@ -112,11 +112,6 @@ class DisturbancePulses(Hypothesis):
         places = self._places(psi)
         return np.column_stack([places, factors / places[:, 1]]).ravel()
 
-    @property
-    def _unseen_std(self) -> Floats:
-        """Standard errors of start and end where nothing is known: uniform there, (n_pulse, 2) [s]."""
-        return np.asarray(np.array([one.unseen_s for one in self.found]).reshape(-1, 2) / np.sqrt(12.0))
-
     def standard_errors(self, of_fit: Floats, motions: Sequence[Motion]) -> Floats:
         """Return those with which they were found: rows of the whole run say little of one event's errors."""
         return np.array([(one.start_std, one.duration_std, one.torque_std) for one in self.found]).ravel()
@@ -129,16 +124,14 @@ class DisturbancePulses(Hypothesis):
         ]
 
     def determined(self, values: Floats, std: Floats) -> NDArray[np.bool_]:
-        """Say which numbers are known: those with a standard error, but a torque only if what was seen lasted.
+        """Say which numbers are known: those with a standard error, but no torque that differs not from none.
 
         Of a push too short for the band its impulse is known, and no torque. Of one that begins or ends while
         nothing is known the torque is, though it may have lasted for longer or shorter.
         """
-        known = np.isfinite(std).reshape(-1, len(_NUMBERS))
-        duration, error = (np.reshape(one, known.shape)[:, 1] for one in (values, std))
-        of_what_was_seen = np.sqrt(np.maximum(error**2 - np.sum(self._unseen_std**2, axis=1), 0.0))
-        known[:, 2] &= duration > EQUAL_SIGMAS * of_what_was_seen
-        return np.asarray(known.ravel())
+        known, torque = np.isfinite(std), slice(2, None, len(_NUMBERS))
+        known[torque] &= np.abs(values[torque]) > EQUAL_SIGMAS * std[torque]
+        return np.asarray(known)
 
     @property
     def names(self) -> tuple[str, ...]:

@@ -81,9 +81,9 @@ def test_pulses_are_where_psi_and_impulses_have_them():
     assert [one.form for one in found] == [PULSE.form, OTHER.form]
 
 
-def test_the_torque_of_a_duration_that_may_be_zero_is_not_determined():
+def test_a_torque_that_may_be_none_is_not_determined():
     pushes, values = DisturbancePulses(KIND, 0, [PULSE, OTHER]), np.array([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
-    std = np.array([0.01, 0.11, 2.0, 0.01, 0.1, 2.0])
+    std = np.array([0.01, 0.11, 5.0, 0.8, 0.9, 2.0])
     assert pushes.determined(values, std).tolist() == [True, True, False, True, True, True]
 
 
