@@ -93,7 +93,7 @@ class BatchFilter(LiveFilter):
         self._judge.note_all(shares[:count].tolist())
         self._last = readings[count - 1]
         self.loss.find()
-        self.misfit += float(sizes[:count].sum())
-        self._strain += float(shares[:count].sum())
+        self.misfit += sum(sizes[:count].tolist())
+        self._strain += sum(shares[:count].tolist())
         self._strained += count
         return count

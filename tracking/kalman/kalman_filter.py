@@ -6,11 +6,14 @@ Gyroscopes, where the arm's sensors have them, show how links turn. It says how 
 its readings contradict the arm.
 """
 
+import math
+
 import numpy as np
 
 from arm.chain import chain_of
 from arm.kinematics import tips_of
 from arm.model import Arm, Floats
+from limbcal.compiled import compiled
 from limbcal.errors import ConfigError, DataError
 from tracking.kalman.adaptive_filter import AdaptiveFilter
 from tracking.model.decimation import Decimator
@@ -190,20 +193,19 @@ class KalmanTracker:
                 self._resting = resting
                 self._trial += not resting
                 phases.append(Phase("end" if resting else "begin", self._time_ns(self._frame + k), self._trial))
-        joint, offset = course.states[:, : 3 * n_joint], course.states[:, 3 * n_joint :]
-        q = joint[:, ::3].copy()
-        missing = np.isnan(readings[:, 0])
+        (q, dq, ddq, std), felt = np.empty((4, n, n_joint)), np.empty((n, self._n_acceleration))
+        lost = _unpack(course.states, course.variances, readings, q, dq, ddq, std, felt)
         frames = Frames(
             self._frame,
             self._time_ns(self._frame),
             self.dt_s,
             q,
-            joint[:, 1::3].copy(),
-            joint[:, 2::3].copy(),
+            dq,
+            ddq,
             tips_of(self._chain, q),
-            self._paths.follow(q, (readings - offset)[:, : self._n_acceleration], course.still),
-            self._lost or bool(missing.any()),
-            np.sqrt(course.variances),
+            self._paths.follow(q, felt, course.still),
+            self._lost or lost,
+            std,
             readings,
             self._felt_noise,
         )
@@ -215,3 +217,26 @@ class KalmanTracker:
         """Return the time of a frame, as the latest push has it: it is centred on its own sample."""
         sample = frame * self._factor + self._factor // 2
         return self._anchor_ns + round((sample - self._anchor_sample) / self._rate_hz * 1e9)
+
+
+@compiled
+def _unpack(
+    states: Floats,
+    variances: Floats,
+    readings: Floats,
+    q: Floats,
+    dq: Floats,
+    ddq: Floats,
+    std: Floats,
+    felt: Floats,
+) -> bool:
+    """Fill in what joints do, how well that is known, and the readings less their offsets; say if one was lost."""
+    lost, n_joint = False, q.shape[1]
+    for k in range(q.shape[0]):
+        lost = lost or math.isnan(readings[k, 0])
+        for j in range(n_joint):
+            q[k, j], dq[k, j], ddq[k, j] = states[k, 3 * j], states[k, 3 * j + 1], states[k, 3 * j + 2]
+            std[k, j] = math.sqrt(variances[k, j])
+        for channel in range(felt.shape[1]):
+            felt[k, channel] = readings[k, channel] - states[k, 3 * n_joint + channel]
+    return lost

@@ -8,6 +8,7 @@ explains the first reading is followed by a filter of its own, until what comes 
 
 import copy
 import itertools
+import math
 from collections.abc import Iterator
 
 import numpy as np
@@ -55,11 +56,11 @@ class MultipleModelFilter:
 
     def follow(self, readings: Floats) -> Course:
         """Take in readings, (n, n_channel), and say what came of each; those of a lost frame are NaN."""
-        lost = np.isnan(readings[:, 0])
-        if not (self._rivals or self._filter.loss.lost or lost.any()):  # as nearly always
+        some_lost = math.isnan(sum(readings[:, 0].tolist()))
+        if not (self._rivals or self._filter.loss.lost or some_lost):  # as nearly always
             return self._filter.follow(readings)
         parts = []
-        for part in _stretches(lost):
+        for part in _stretches(np.isnan(readings[:, 0])):
             left = readings[part]
             if np.isnan(left[0, 0]):
                 self._rivals = []
