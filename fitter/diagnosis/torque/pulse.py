@@ -90,9 +90,9 @@ def are_same(some: Sequence[Pulse], others: Sequence[Pulse]) -> bool:
 
 
 def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
-    """Return the means of a pulse of size one over the steps about each instant, (n,)."""
-    place = start_s, duration_s, form
-    return np.asarray((pulse_area(t + 0.5 * step_s, *place) - pulse_area(t - 0.5 * step_s, *place)) / step_s)
+    """Return the means of a pulse of size one over the steps about evenly spaced instants, (n,)."""
+    ends = np.append(t - 0.5 * step_s, t[-1:] + 0.5 * step_s)
+    return np.asarray(np.diff(pulse_area(ends, start_s, duration_s, form)) / step_s)
 
 
 def pulse_area(until: Floats, start_s: float, duration_s: float, form: str) -> Floats:
@@ -125,8 +125,20 @@ def seen(
     n_sample = (last - first) * rows.n_sample
     begin_s = rows.t[0] + (first - 0.5) * rows.step_s + 0.5 * step_s
     samples = pulse_means(begin_s + step_s * np.arange(n_sample), step_s, start_s, duration_s, form)
-    passed = lowpass(samples, step_s, rows.band_hz) if n_sample else samples
+    if not n_sample:
+        return int(first), samples
+    response = _impulse_response(step_s, rows.band_hz)
+    passed = np.convolve(samples, response)[len(response) // 2 :][:n_sample]
     return int(first), np.asarray(passed.reshape(-1, rows.n_sample).mean(axis=1))
+
+
+@cache
+def _impulse_response(step_s: float, band_hz: float) -> Floats:
+    """Return the low-pass filter's response to one sample of one, symmetric, until it has settled."""
+    reach = 2 * settling_samples(step_s, band_hz)
+    one = np.zeros(4 * reach + 1)
+    one[2 * reach] = 1.0
+    return lowpass(one, step_s, band_hz)[reach : 3 * reach + 1]
 
 
 def in_rows(rows: Rows, start_s: float, duration_s: float, form: str) -> Floats:

@@ -21,6 +21,7 @@ from fitter.diagnosis.torque.neighbours import beside_neighbours, neighbours
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, without
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
+from fitter.parallel.forked import side_by_side
 
 
 @dataclass(frozen=True)
@@ -119,21 +120,23 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> li
     the likelier of both answers is returned. All of its pulses together are likelier than a background without
     any: the least evident ones go until they are.
     """
-    whole, answers = estimated(rows), list[tuple[float, list[Pulse]]]()
-    for background in (whole, _usual(whole, rows)):
-        found = _found_with(background, rows, joint, n_joint, odds)
-        while found and (nats := _joint_log_evidence(rows, found, whole, n_joint)) <= odds:
+    whole, n_place = estimated(rows), _n_place(rows, n_joint)
+
+    def beside(background: Background) -> tuple[float, list[Pulse]]:
+        """Return the pulses found by a background, and the log evidence of all of them [nats]."""
+        found, nats = _found_with(background, rows, joint, n_joint, n_place, odds), -np.inf
+        while found and (nats := _joint_log_evidence(rows, found, whole, n_place)) <= odds:
             found.remove(min(found, key=lambda pulse: pulse.evidence))
-        if found:
-            answers.append((nats, found))
-    return max(answers, key=lambda answer: answer[0])[1] if answers else []
+        return (nats, found) if found else (-np.inf, [])
+
+    return max(side_by_side(beside, (whole, _usual(whole, rows))), key=lambda answer: answer[0])[1]
 
 
-def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_joint: int) -> float:
+def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Background, n_place: int) -> float:
     """Return the log evidence of some pulses against the likeliest background without any [nats]."""
     remaining = without(rows, pulses)
     gain = log_likelihood(estimated(remaining, whole), remaining) - log_likelihood(whole, rows)
-    return gain - _cost(rows, pulses, n_joint)
+    return gain - _cost(pulses, n_place)
 
 
 def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> float:
@@ -149,7 +152,7 @@ def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pul
     for joint in range(n_joint):
         rows, own = [trial.rows(joint) for trial in trials], [one for one in pulses if one.joint == joint]
         remaining = without(rows, own)
-        total += log_likelihood(estimated(remaining), remaining) - _cost(rows, own, n_joint)
+        total += log_likelihood(estimated(remaining), remaining) - _cost(own, _n_place(rows, n_joint))
     return total
 
 
@@ -185,9 +188,8 @@ def _beside_others(joints: Sequence[Sequence[Rows]], pulses: Sequence[Pulse], pl
     return search.near((one.start_s, one.duration_s), one.evidence)
 
 
-def _cost(rows: Sequence[Rows], pulses: Sequence[Pulse], n_joint: int) -> float:
+def _cost(pulses: Sequence[Pulse], n_place: int) -> float:
     """Return what the places of some pulses and the priors of their sizes cost [nats]."""
-    n_place = _n_place(rows, n_joint)
     sized = sum(pulse.log_likelihood_ratio - pulse.evidence for pulse in pulses)
     return float(sized + sum(_log_places(n_place, k + 1) for k in range(len(pulses))))
 
@@ -198,7 +200,7 @@ def _n_place(rows: Sequence[Rows], n_joint: int) -> int:
 
 
 def _found_with(
-    background: Background, rows: Sequence[Rows], joint: int, n_joint: int, odds: float
+    background: Background, rows: Sequence[Rows], joint: int, n_joint: int, n_place: int, odds: float
 ) -> list[Pulse]:
     """Return one joint's pulses, sought against a background first.
 
@@ -209,7 +211,6 @@ def _found_with(
     """
     known = np.concatenate([part.r[part.known] for part in rows])
     size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
-    n_place = _n_place(rows, n_joint)
 
     def sought(background: Background, known: int) -> tuple[list[Pulse], Floats, float]:
         """Return the pulses beside some that are known, the evidence of all other blocks, and the least of one."""
@@ -223,7 +224,7 @@ def _found_with(
     while likely and len(rounds) < ITERATIONS and not any(are_same(likely, pulses) for _, pulses, _ in rounds):
         unpushed = without(rows, likely)
         background = estimated(unpushed, background)
-        nats = log_likelihood(background, unpushed) - _cost(rows, likely, n_joint)
+        nats = log_likelihood(background, unpushed) - _cost(likely, n_place)
         rounds.append((nats, likely, background))
         likely, remaining, least = sought(background, len(likely))
     if not rounds:
