@@ -4,7 +4,9 @@ A lateness explains much of what an arm lacks besides, such as flesh that gives 
 only if readings with it are a hundred times likelier than without (the Bayes factor), and if it also predicts:
 what the other blocks of the recording say of it makes the readings of each block likelier, by as much in all
 (cross-validation; M. Stone, *Cross-validatory choice and assessment of statistical predictions*, 1974). Both come
-of one pass: along the most probable motion the log-likelihood is quadratic in the latenesses.
+of one pass: along the most probable motion the log-likelihood is quadratic in the latenesses. Readings count as
+many times less as their errors are more dispersed than the model has it (quasi-likelihood; P. McCullagh, J. A.
+Nelder, *Generalized Linear Models*, 1989, ch. 9).
 """
 
 from typing import NamedTuple
@@ -15,8 +17,6 @@ from arm.model import Floats
 
 #: What either must exceed [nats]: a hundred to one.
 _LEAST_NATS = float(np.log(100.0))
-#: Length of a block, in times that what the model lacks lasts: its errors in two blocks have nothing in common.
-BLOCK_MEMORIES = 10.0
 
 
 class ClockSlopes(NamedTuple):
@@ -36,7 +36,13 @@ class ClockSlopes(NamedTuple):
 
 
 def clock_slopes(
-    error: Floats, precision: Floats, drift: Floats, covariance: Floats, prior_std_s: float, length: int
+    error: Floats,
+    precision: Floats,
+    drift: Floats,
+    covariance: Floats,
+    prior_std_s: float,
+    length: int,
+    dispersion: float = 1.0,
 ) -> ClockSlopes:
     """Return what blocks say of latenesses.
 
@@ -52,6 +58,8 @@ def clock_slopes(
     prior_std_s : float
     length : int
         Instants of a block.
+    dispersion : float
+        By how many times the readings' errors vary more than the model has it.
     """
     # the last block is no shorter than half of one
     begins = np.arange(0, max(1, len(error) - length // 2), length)
@@ -59,7 +67,8 @@ def clock_slopes(
     squares = np.add.reduceat((precision * drift**2).sum(axis=2), begins, axis=0)
     share = np.sqrt(squares / np.maximum(squares.sum(axis=0), np.finfo(np.float64).tiny))
     whole = np.linalg.inv(covariance) - np.eye(len(covariance)) / prior_std_s**2
-    return ClockSlopes(gradient, share[:, :, None] * whole * share[:, None, :], prior_std_s)
+    information = share[:, :, None] * whole * share[:, None, :]
+    return ClockSlopes(gradient / dispersion, information / dispersion, prior_std_s)
 
 
 def accepted(slopes: ClockSlopes) -> list[int]:

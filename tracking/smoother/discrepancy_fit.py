@@ -22,9 +22,10 @@ from tracking.model.expected_readings import room_of
 from tracking.model.observation import ABSENT, Observation, channels_alike, rms_alike
 from tracking.model.regression_calibration import acceleration_noise, calm
 from tracking.smoother.discrepancy_sizes import noise_variances, sizes_of
+from tracking.smoother.linearised import Linearised
 from tracking.smoother.smoothed import mend
 from tracking.smoother.smoother import NO_MOTION
-from tracking.smoother.smoothing_pass import Pass, pass_of, smooth_once
+from tracking.smoother.smoothing_pass import pass_of, smooth_once
 
 #: Expectations and maximisations at the most, and passes in each; variances are wanted of the last.
 _ROUNDS, _PASSES = 30, 4
@@ -161,14 +162,15 @@ class DiscrepancyFit:
         self.rounds, self.converged = _ROUNDS - _LAST_ROUNDS, False
         self._gain, self._last_gain = np.inf, np.inf
 
-    def pass_along(self) -> tuple[Pass, Floats]:
-        """Return a pass along the motion under the present sizes, and the covariance after the last reading."""
-        of, room, course = self.of, room_of(self._arm.n_joint), self.course
-        x, P = before(of, self.start, self.sizes)
-        found = pass_of(of, course, self.size)
-        along = calm(self._at, acceleration_noise(of, room, course, self._at), course.dt)
-        smooth_once(of, room, course, along, x, P, found, True)
-        return found, P
+    @property
+    def linearised(self) -> Linearised:
+        """The recording along the motion, under the present sizes."""
+        along = calm(
+            self._at,
+            acceleration_noise(self.of, room_of(self._arm.n_joint), self.course, self._at),
+            self.course.dt,
+        )
+        return Linearised(self.of, self.course, along, *before(self.of, self.start, self.sizes))
 
     def _settle(self) -> tuple[Floats, Floats]:
         """Find the motion under given sizes and its log-likelihood; return what is known after it."""

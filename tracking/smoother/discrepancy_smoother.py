@@ -20,9 +20,11 @@ from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.observation import Observation, observation_of, other_clocks, rms_alike
 from tracking.model.process_noise import SMOOTHER_PUSH_STD
 from tracking.model.readings import Readings
-from tracking.smoother.clock_evidence import BLOCK_MEMORIES, ClockSlopes, accepted, clock_slopes
+from tracking.smoother.clock_evidence import ClockSlopes, accepted, clock_slopes
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
+from tracking.smoother.consider_covariance import STRETCH_MEMORIES, Considered, consider
 from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
+from tracking.smoother.sensor_disagreement import disagreement, variance_by_lack
 from tracking.smoother.smoothed import SIGMAS, Smoothed, mend
 from tracking.smoother.smoother import state_before
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
@@ -47,6 +49,7 @@ class DiscrepancySmoother:
         self._sought = mounting is not None or arm.sensor_covariance is not None
         self._mounting = MountingPrior() if mounting is None else mounting
         self.observation, self.size = observation_of(arm, self._sought)
+        self._housing = np.array([*range(len(arm.sensors)), *arm.gyroscopes], dtype=np.intp)
 
     def smooth(
         self,
@@ -125,11 +128,17 @@ class DiscrepancySmoother:
         """Return the fit with those clocks that the readings say differ; as it is if none does."""
         asked = other_clocks(self._arm)
         base = fit.sizes.base_std > 0.0
+        dispersed = 1.0
+        if asked:
+            problem = fit.linearised
+            dispersed = max(
+                consider(problem, fit.sizes.memory_s).dispersion, disagreement(problem, self._housing).max()
+            )
         while asked:
             of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=asked)
             late = copy(fit)
             late.let_go(of, size, self._begin(of, size, readings, known, previous))
-            differ = accepted(_clock_slopes(fit, late, asked))
+            differ = accepted(_clock_slopes(fit, late, asked, dispersed))
             if len(differ) == len(asked):
                 return likeliest([late], [0.0], count_round)
             asked = tuple(asked[k] for k in differ)
@@ -163,10 +172,12 @@ class DiscrepancySmoother:
         found = pass_of(of, course, fit.size)
         x, P = x0.copy(), P0.copy()
         smooth_once(of, room_of(self._arm.n_joint), course, at, x, P, found, True)
-        late = fit.clocks.found(x, P)
+        mend(found.variance)
+        considered = self._claim(fit, found.variance, stride)
+        late = fit.clocks.found(x, considered.added_to(P))
         if until is not None:
             x, P = state_before(until, of, course, at, x0, P0)
-        mend(found.variance)
+        P = considered.added_to(P)
         still = np.any(course.rest > 0.0, axis=1)
         own = slice(0, self.size)
         # where noise is larger than what the sensor's own hardly ever is
@@ -188,11 +199,21 @@ class DiscrepancySmoother:
             clocks=late,
         )
 
+    def _claim(self, fit: DiscrepancyFit, variance: Floats, stride: int) -> Considered:
+        """Add to the angles' variance what constants and sensors that disagree add; return what constants do."""
+        problem = fit.linearised
+        considered = consider(problem, fit.sizes.memory_s)
+        more = (disagreement(problem, self._housing) - 1.0) * variance_by_lack(problem) + considered.variance
+        variance[:, : 3 * self._arm.n_joint : 3] += finer(more, len(variance), stride) if stride > 1 else more
+        return considered
 
-def _clock_slopes(fit: DiscrepancyFit, late: DiscrepancyFit, asked: tuple[int, ...]) -> ClockSlopes:
+
+def _clock_slopes(
+    fit: DiscrepancyFit, late: DiscrepancyFit, asked: tuple[int, ...], dispersed: float
+) -> ClockSlopes:
     """Return what a fit without clocks says of those of some sensors, which the same fit with clocks lets go."""
-    found, _ = fit.pass_along()
-    _, covariance = late.pass_along()
+    found = fit.linearised.smoothed()[0]
+    covariance = late.linearised.smoothed()[2]
     of, course = late.of, late.course
     columns = [int(of.clock_column[sensor]) for sensor in asked]
     channels = [np.repeat(of.clock_column == column, 3) for column in columns]
@@ -210,7 +231,8 @@ def _clock_slopes(fit: DiscrepancyFit, late: DiscrepancyFit, asked: tuple[int, .
         shared(course.drift),
         covariance[np.ix_(columns, columns)],
         CLOCK_STD_S,
-        max(1, round(BLOCK_MEMORIES * fit.sizes.memory_s / course.dt)),
+        max(1, round(STRETCH_MEMORIES * fit.sizes.memory_s / course.dt)),
+        dispersed,
     )
 
 
