@@ -12,10 +12,16 @@ and at the most probable constants the score's covariance is I_B - I_B P I_B if 
 .. math:: \varphi = \sum_B r_B^T P r_B / \sum_B \mathrm{tr}\, P (I_B - I_B P I_B)
 
 is then 1 on average (R. T. Birge, *The calculation of errors by the method of least squares*, 1932; P. McCullagh,
-J. A. Nelder, *Generalized Linear Models*, 1989, ch. 9). Where it is larger, the readings count 1/phi as many: the
-covariance of the constants is P + (phi - 1) P I P with I the sum of the I_B, the *sandwich* (P. J. Huber 1967).
-What was known before is not enlarged. An angle has of it J (phi - 1) P I P J^T, with its response J to the
-constants (consider parameters; S. F. Schmidt, *Application of state-space methods to navigation problems*, 1966).
+J. A. Nelder, *Generalized Linear Models*, 1989, ch. 9). Where it is larger, what readings say of constants counts
+1/phi, and what was known before counts as it did (quasi-likelihood): with the prior's covariance C, and the score
+g and the information I of all readings where the constants were held before, they move by P* g / phi and have the
+covariance
+
+.. math:: P^* = (C^{-1} + I / \varphi)^{-1}.
+
+The motion is the most probable one with the constants there. Of its covariance, J P* J^T is the constants' part,
+with its response J to them (consider parameters; S. F. Schmidt, *Application of state-space methods to navigation
+problems*, 1966); the rest is that with constants held.
 """
 
 from typing import NamedTuple
@@ -33,7 +39,7 @@ STRETCH_MEMORIES = 10.0
 
 
 class Considered(NamedTuple):
-    """What the constants add to a claim.
+    """What is known of the constants.
 
     Attributes
     ----------
@@ -41,23 +47,33 @@ class Considered(NamedTuple):
         Where they are in the state.
     dispersion : float
         At least 1.
-    added : (n_constant, n_constant)
-        To their covariance.
-    variance : (n, n_joint)
-        Added to that of the angles.
+    moved : (n_constant,)
+        From where they were held before the first reading.
+    covariance : (n_constant, n_constant)
+    variance : (n, 3 n_joint)
+        The constants' part in that of q, dq, ddq of every joint.
     """
 
     columns: NDArray[np.intp]
     dispersion: float
-    added: Floats
+    moved: Floats
+    covariance: Floats
     variance: Floats
 
-    def added_to(self, P: Floats) -> Floats:
-        """Return the covariance (n_state, n_state) after some reading, with what the constants add to it."""
-        own = P[np.ix_(self.columns, self.columns)]
-        unit = np.sqrt(np.diag(own))
-        response = np.linalg.lstsq(own / np.outer(unit, unit), P[self.columns] / unit[:, None], rcond=None)[0]
-        more: Floats = response.T @ (self.added / np.outer(unit, unit)) @ response
+    def held(self, x0: Floats, P0: Floats) -> tuple[Floats, Floats]:
+        """Return state and covariance before the first reading with the constants where they were found."""
+        return x0 + _shift(P0, self.columns, self.moved), _without(P0, self.columns)
+
+    def added_to(self, P: Floats, free: Floats) -> Floats:
+        """Return the covariance after some reading, with the constants' part.
+
+        Parameters
+        ----------
+        P, free : (n_state, n_state)
+            With constants held, and with them free as before the first reading.
+        """
+        response = _regression(free, self.columns)
+        more: Floats = response.T @ self.covariance @ response
         return P + 0.5 * (more + more.T)
 
 
@@ -77,7 +93,7 @@ def constants(of: Observation, P0: Floats) -> NDArray[np.intp]:
 
 
 def consider(problem: Linearised, memory_s: float) -> Considered:
-    """Return what the constants of a recording add to its claims.
+    """Return what is known of the constants of a recording.
 
     Parameters
     ----------
@@ -87,18 +103,25 @@ def consider(problem: Linearised, memory_s: float) -> Considered:
     """
     columns = constants(problem.of, problem.P0)
     unit = np.sqrt(problem.P0[columns, columns])
-    _, x, P = problem.smoothed(with_variance=False)
-    known = P[np.ix_(columns, columns)] / np.outer(unit, unit)
+    before = problem.P0[np.ix_(columns, columns)] / np.outer(unit, unit)
     miss, precision, slopes, response = sensitivities(problem, columns, unit)
-    error = miss - slopes @ ((x - problem.x0)[columns] / unit)
     length = max(1, round(STRETCH_MEMORIES * memory_s / problem.course.dt))
     begins = np.arange(0, max(1, len(miss) - length // 2), length)  # the last one is no shorter than half of one
-    score = np.add.reduceat(np.einsum("kci,kc->ki", slopes, error * precision), begins, axis=0)
+    score = np.add.reduceat(np.einsum("kci,kc->ki", slopes, miss * precision), begins, axis=0)
     information = np.add.reduceat(np.einsum("kci,kc,kcj->kij", slopes, precision, slopes), begins, axis=0)
-    factor = dispersion(score, information, known)
-    more = (factor - 1.0) * known @ information.sum(axis=0) @ known
-    variance = np.einsum("kjp,pq,kjq->kj", response, more, response)
-    return Considered(columns, factor, more * np.outer(unit, unit), variance)
+    known = posterior(before, information.sum(axis=0))
+    factor = dispersion(score - information @ (known @ score.sum(axis=0)), information, known)
+    known = posterior(before, information.sum(axis=0) / factor)
+    moved = known @ score.sum(axis=0) / factor
+    variance = np.einsum("kjp,pq,kjq->kj", response, known, response)
+    return Considered(columns, factor, unit * moved, known * np.outer(unit, unit), variance)
+
+
+def posterior(before: Floats, information: Floats) -> Floats:
+    """Return the covariance of constants from that before and what readings say; neither need have an inverse."""
+    found = before @ np.linalg.inv(np.eye(len(before)) + information @ before)
+    covariance: Floats = 0.5 * (found + found.T)
+    return covariance
 
 
 class Sensitivities(NamedTuple):
@@ -110,8 +133,8 @@ class Sensitivities(NamedTuple):
         Innovations with the constants held where they were before, and one over their variances.
     slopes : (n, n_row, n_constant)
         By how much less they miss for each unit.
-    response : (n, n_joint, n_constant)
-        By how much the smoothed angles move for each.
+    response : (n, 3 n_joint, n_constant)
+        By how much the smoothed q, dq, ddq of every joint move for each.
     """
 
     miss: Floats
@@ -121,15 +144,16 @@ class Sensitivities(NamedTuple):
 
 
 def sensitivities(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Sensitivities:
-    """Return how readings and angles depend on constants at some columns (n_constant,), with their units."""
-    held = _held(problem, columns)
+    """Return how readings and motion depend on constants at some columns (n_constant,), with their units."""
+    moving, count = slice(0, 3 * problem.n_joint), len(columns)
+    held = problem._replace(P0=_without(problem.P0, columns))
     miss, total = _innovations(held)
-    angles = held.angles_of(held.smoothed(with_variance=False)[0])
-    slopes, response = np.empty((*miss.shape, len(columns))), np.empty((*angles.shape, len(columns)))
-    for j in range(len(columns)):
-        moved = _moved(problem, held, columns, unit * (np.arange(len(columns)) == j))
+    motion = held.smoothed(with_variance=False)[0].states[:, moving]
+    slopes, response = np.empty((*miss.shape, count)), np.empty((*motion.shape, count))
+    for j in range(count):
+        moved = held._replace(x0=held.x0 + _shift(problem.P0, columns, unit * (np.arange(count) == j)))
         slopes[:, :, j] = miss - _innovations(moved)[0]
-        response[:, :, j] = moved.angles_of(moved.smoothed(with_variance=False)[0]) - angles
+        response[:, :, j] = moved.smoothed(with_variance=False)[0].states[:, moving] - motion
     return Sensitivities(miss, 1.0 / total, slopes, response)
 
 
@@ -148,25 +172,27 @@ def dispersion(score: Floats, information: Floats, known: Floats) -> float:
     return max(1.0, found / expected) if expected > 0.0 else 1.0
 
 
-def _held(problem: Linearised, columns: NDArray[np.intp]) -> Linearised:
-    """Return the problem with its constants held where they were before the first reading."""
-    P0 = problem.P0.copy()
-    own = P0[np.ix_(columns, columns)]
+def _regression(P: Floats, columns: NDArray[np.intp]) -> Floats:
+    """Return by how much all entries of a state go with its constants, (n_constant, n_state)."""
+    own = P[np.ix_(columns, columns)]
     unit = np.sqrt(np.diag(own))
-    given = np.linalg.lstsq(own / np.outer(unit, unit), P0[columns] / unit[:, None], rcond=None)[0]
-    P0 -= (P0[:, columns] / unit) @ given
-    P0[columns, :], P0[:, columns] = 0.0, 0.0
-    return problem._replace(P0=0.5 * (P0 + P0.T))
+    found: Floats = np.linalg.lstsq(own / np.outer(unit, unit), P[columns] / unit[:, None], rcond=None)[0]
+    return found / unit[:, None]
 
 
-def _moved(problem: Linearised, held: Linearised, columns: NDArray[np.intp], by: Floats) -> Linearised:
-    """Return the problem with its constants held so far away (n_constant,), and what goes with them before."""
-    own = problem.P0[np.ix_(columns, columns)]
-    unit = np.sqrt(np.diag(own))
-    weight = np.linalg.lstsq(own / np.outer(unit, unit), by / unit, rcond=None)[0]
-    step = (problem.P0[:, columns] / unit) @ weight
+def _without(P: Floats, columns: NDArray[np.intp]) -> Floats:
+    """Return the covariance of a state whose constants are known."""
+    held = P - P[:, columns] @ _regression(P, columns)
+    held[columns, :], held[:, columns] = 0.0, 0.0
+    known: Floats = 0.5 * (held + held.T)
+    return known
+
+
+def _shift(P: Floats, columns: NDArray[np.intp], by: Floats) -> Floats:
+    """Return by how much a state moves whose constants do (n_constant,): with them what goes with them."""
+    step: Floats = by @ _regression(P, columns)
     step[columns] = by
-    return held._replace(x0=held.x0 + step)
+    return step
 
 
 def _innovations(problem: Linearised) -> tuple[Floats, Floats]:

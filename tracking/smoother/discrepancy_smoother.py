@@ -160,7 +160,7 @@ class DiscrepancySmoother:
         self, fit: DiscrepancyFit, course: Course, stride: int, rounds: int, until: int | None
     ) -> Smoothed:
         """Return the motion at every frame."""
-        of, (x0, P0) = fit.of, before(fit.of, fit.start, fit.sizes)
+        of, start = fit.of, before(fit.of, fit.start, fit.sizes)
         if stride > 1:
             each = np.minimum(np.arange(len(course.readings)) // stride, len(fit.course.doubt) - 1)
             variance = (fit.course.noise * fit.course.doubt * stride)[each]
@@ -169,15 +169,18 @@ class DiscrepancySmoother:
             at = finer(fit.found.states, len(course.readings), stride)
         else:
             course, at = fit.course, fit.found.states
-        found = pass_of(of, course, fit.size)
+        considered, more = self._claims(fit)
+        x0, P0 = considered.held(*start)
+        found, room = pass_of(of, course, fit.size), room_of(self._arm.n_joint)
         x, P = x0.copy(), P0.copy()
-        smooth_once(of, room_of(self._arm.n_joint), course, at, x, P, found, True)
+        smooth_once(of, room, course, at, x, P, found, True)
         mend(found.variance)
-        considered = self._claim(fit, found.variance, stride)
-        late = fit.clocks.found(x, considered.added_to(P))
+        found.variance[:, : more.shape[1]] += finer(more, len(at), stride) if stride > 1 else more
+        P = considered.added_to(P, fit.linearised.smoothed(with_variance=False)[2])
+        late = fit.clocks.found(x, P)
         if until is not None:
             x, P = state_before(until, of, course, at, x0, P0)
-        P = considered.added_to(P)
+            P = considered.added_to(P, state_before(until, of, course, at, *start)[1])
         still = np.any(course.rest > 0.0, axis=1)
         own = slice(0, self.size)
         # where noise is larger than what the sensor's own hardly ever is
@@ -187,7 +190,7 @@ class DiscrepancySmoother:
             found,
             x[own],
             P[own, own],
-            P0[own, own],
+            start[1][own, own],
             still,
             still,
             doubted,
@@ -199,13 +202,15 @@ class DiscrepancySmoother:
             clocks=late,
         )
 
-    def _claim(self, fit: DiscrepancyFit, variance: Floats, stride: int) -> Considered:
-        """Add to the angles' variance what constants and sensors that disagree add; return what constants do."""
+    def _claims(self, fit: DiscrepancyFit) -> tuple[Considered, Floats]:
+        """Return what is known of constants, and what they and sensors that disagree add to the variance.
+
+        To that of a motion with constants held; (n, 3 n_joint), of coarse frames.
+        """
         problem = fit.linearised
         considered = consider(problem, fit.sizes.memory_s)
-        more = (disagreement(problem, self._housing) - 1.0) * variance_by_lack(problem) + considered.variance
-        variance[:, : 3 * self._arm.n_joint : 3] += finer(more, len(variance), stride) if stride > 1 else more
-        return considered
+        larger = np.repeat(disagreement(problem, self._housing) - 1.0, 3)
+        return considered, considered.variance + larger * variance_by_lack(problem)
 
 
 def _clock_slopes(

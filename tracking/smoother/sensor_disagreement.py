@@ -54,7 +54,7 @@ def disagreement(problem: Linearised, housing: NDArray[np.intp]) -> Floats:
 
 
 def variance_by_lack(problem: Linearised) -> Floats:
-    """Return the part of the angles' variance that is of what the model lacks of single readings, (n, n_joint).
+    """Return the part of the motion's variance that is of what the model lacks of readings, (n, 3 n_joint).
 
     The smoother weighs readings best for the sizes that it holds, so that its variance grows with one of them as
     if the weights stayed as they are (the envelope theorem): the part is a derivative.
@@ -63,6 +63,6 @@ def variance_by_lack(problem: Linearised) -> Floats:
     P0, own = problem.P0.copy(), np.arange(of.lack_column, of.lack_column + course.noise.size)
     P0[own, own] *= 1.0 + _STEP
     larger = problem._replace(course=course._replace(lack_std=course.lack_std * np.sqrt(1.0 + _STEP)), P0=P0)
-    before, after = (problem.angle_variance_of(one.smoothed()[0]) for one in (problem, larger))
+    before, after = (one.smoothed()[0].variance[:, : 3 * problem.n_joint] for one in (problem, larger))
     part: Floats = np.maximum(after - before, 0.0) / _STEP
     return part

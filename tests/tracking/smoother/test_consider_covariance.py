@@ -7,10 +7,11 @@ from tests.tracking.smoother.test_smoothing_pass import Problem
 from tracking.model.observation import ABSENT, MOUNTING
 from tracking.smoother.consider_covariance import (
     Considered,
-    _held,
+    _without,
     consider,
     constants,
     dispersion,
+    posterior,
     sensitivities,
 )
 from tracking.smoother.linearised import Linearised
@@ -27,23 +28,41 @@ def linearised(arm, case):
 
 @pytest.mark.parametrize("case", CASES)
 def test_slopes_and_responses_make_up_what_the_smoother_claims(dd_arm, case):
-    """Information adds up over the instants; the variance of an angle is that with constants held, and theirs."""
+    """Information adds up over the instants; the variance of motion is that with constants held, and theirs."""
     problem = linearised(dd_arm, case)
     columns = constants(problem.of, problem.P0)
     own = np.ix_(columns, columns)
     unit = np.sqrt(np.diag(problem.P0)[columns])
-    held = _held(problem, columns)
     _, precision, slopes, response = sensitivities(problem, columns, unit)
     found, _, P = problem.smoothed()
-    known = P[own] / np.outer(unit, unit)
     information = np.einsum("kci,kc,kcj->ij", slopes, precision, slopes)
-    before = problem.P0[own] / np.outer(unit, unit)
-    np.testing.assert_allclose(
-        np.linalg.inv(np.linalg.inv(before) + information), known, rtol=1e-5, atol=1e-6 * np.abs(known).max()
-    )
+    known = posterior(problem.P0[own] / np.outer(unit, unit), information)
+    np.testing.assert_allclose(known, P[own] / np.outer(unit, unit), rtol=1e-5, atol=1e-6 * np.abs(known).max())
     theirs = np.einsum("kjp,pq,kjq->kj", response, known, response)
-    alone = held.angle_variance_of(held.smoothed()[0])
-    np.testing.assert_allclose(alone + theirs, problem.angle_variance_of(found), rtol=1e-5)
+    alone = problem._replace(P0=_without(problem.P0, columns)).smoothed()[0].variance[:, : 3 * problem.n_joint]
+    np.testing.assert_allclose(alone + theirs, found.variance[:, : 3 * problem.n_joint], rtol=1e-5)
+
+
+@pytest.mark.parametrize("case", CASES)
+def test_where_errors_are_independent_constants_are_what_the_smoother_finds(dd_arm, case, monkeypatch):
+    """Held there, the motion is the same, and so is what is known after the last reading."""
+    monkeypatch.setattr("tracking.smoother.consider_covariance.dispersion", lambda *_: 1.0)
+    problem = linearised(dd_arm, case)
+    one = consider(problem, 0.05)
+    free, x, P = problem.smoothed()
+    x0, P0 = one.held(problem.x0, problem.P0)
+    held, y, Q = problem._replace(x0=x0, P0=P0).smoothed()
+    scale = np.sqrt(np.diag(problem.P0))
+    np.testing.assert_allclose(
+        (held.states - free.states) / scale, 0.0, atol=1e-5 * np.abs(free.states / scale).max()
+    )
+    np.testing.assert_allclose((y - x) / scale, 0.0, atol=1e-5 * np.abs(x / scale).max())
+    both = one.added_to(Q, P)
+    np.testing.assert_allclose(
+        both / np.outer(scale, scale), P / np.outer(scale, scale), atol=1e-5 * np.max(P / np.outer(scale, scale))
+    )
+    moving = slice(0, 3 * problem.n_joint)
+    np.testing.assert_allclose(held.variance[:, moving] + one.variance, free.variance[:, moving], rtol=1e-5)
 
 
 def test_constants_are_those_of_which_something_is_to_be_learnt(dd_arm):
@@ -75,31 +94,33 @@ def test_dispersion_is_by_how_much_the_scores_vary_more(times):
     assert np.mean(found) == pytest.approx(times, rel=0.2)  # none is less than 1
 
 
-def test_a_recording_that_the_model_is_right_of_adds_little_and_one_that_it_is_not_much(dd_arm):
-    """Readings ten times as noisy as held: the claim grows, and only along what readings say."""
+def test_readings_whose_errors_are_larger_say_less_of_constants(dd_arm):
+    """Ten times as noisy as held: constants are known as if there were a part of the readings."""
     problem = linearised(dd_arm, "mountings")
     plain = consider(problem, 1e-3)
-    noisy = problem.course.readings + 10.0 * np.random.default_rng(0).standard_normal(
-        problem.course.readings.shape
-    )
-    found = consider(problem._replace(course=problem.course._replace(readings=noisy)), 1e-3)
+    noise = 10.0 * np.random.default_rng(0).standard_normal(problem.course.readings.shape)
+    noisy = problem._replace(course=problem.course._replace(readings=problem.course.readings + noise))
+    found = consider(noisy, 1e-3)
     assert found.dispersion > 3.0 * plain.dispersion
-    assert (found.variance >= 0.0).all() and found.variance.max() > 0.0
-    before = problem.P0[np.ix_(found.columns, found.columns)]
-    after = problem.smoothed()[2][np.ix_(found.columns, found.columns)]
-    unit = np.sqrt(np.diag(before))
-    shown = (np.linalg.inv(after) - np.linalg.inv(before)) * np.outer(unit, unit)
-    scaled = after / np.outer(unit, unit)
-    expected = (found.dispersion - 1.0) * scaled @ shown @ scaled
-    np.testing.assert_allclose(found.added / np.outer(unit, unit), expected, atol=1e-3 * np.abs(expected).max())
+    own = np.ix_(found.columns, found.columns)
+    unit = np.sqrt(np.diag(problem.P0)[found.columns])
+    _, precision, slopes, _ = sensitivities(problem, found.columns, unit)
+    information = np.einsum("kci,kc,kcj->ij", slopes, precision, slopes)
+    inverse = np.linalg.inv(problem.P0[own] / np.outer(unit, unit)) + information / found.dispersion
+    expected = np.linalg.inv(inverse) * np.outer(unit, unit)
+    scale = np.outer(unit, unit)
+    np.testing.assert_allclose(found.covariance / scale, expected / scale, atol=1e-6)
+    assert np.linalg.eigvalsh((found.covariance - plain.covariance) / scale).min() > -1e-9
+    assert (found.variance >= plain.variance * (1.0 - 1e-9)).all()
 
 
 def test_a_state_gets_of_the_constants_what_it_depends_on_them():
-    """A state y = 2 c + what is its own."""
-    c, own, more = 3.0, 0.5, 7.0
-    P = np.array([[4.0 * c + own, 2.0 * c], [2.0 * c, c]])
-    one = Considered(np.array([1]), 2.0, np.array([[more]]), np.zeros((0, 1)))
-    after = one.added_to(P)
-    np.testing.assert_allclose(
-        after, np.array([[4.0 * (c + more) + own, 2.0 * (c + more)], [2.0 * (c + more), c + more]])
-    )
+    """A state y = 2 c + what is its own; the constant then is less known than the readings had it."""
+    c, own, known = 3.0, 0.5, 7.0
+    free = np.array([[4.0 * c + own, 2.0 * c], [2.0 * c, c]])
+    held = np.array([[own, 0.0], [0.0, 0.0]])
+    one = Considered(np.array([1]), 2.0, np.zeros(1), np.array([[known]]), np.zeros((0, 1)))
+    np.testing.assert_allclose(one.added_to(held, free), [[4.0 * known + own, 2.0 * known], [2.0 * known, known]])
+    x0, P0 = one._replace(moved=np.array([0.1])).held(np.array([1.0, 2.0]), free)
+    np.testing.assert_allclose(x0, [1.2, 2.1])
+    np.testing.assert_allclose(P0, held, atol=1e-12)
