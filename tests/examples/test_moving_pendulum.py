@@ -43,7 +43,22 @@ def test_a_clock_that_is_late_is_found(example: ModuleType) -> None:
     q = np.column_stack([np.sin(3.0 * t), np.cos(2.0 * t)])
     early = np.column_stack([np.sin(3.0 * (t + 0.03)), np.cos(2.0 * (t + 0.03))])
     trial = example.Trial("one", t, *np.zeros((2, len(t), 6)), early)
-    assert np.abs(example.misses(trial, q)).max() < 1e-3
+    assert np.abs(example.misses(trial, trial.q, q)).max() < 1e-3
+
+
+def test_the_reference_is_the_gyros_at_the_level_of_cameras_that_may_stand_still(example: ModuleType) -> None:
+    """Gyros that drift, whose zero is off and who count the other way round; cameras that stick."""
+    t = np.arange(0.0, 20.0, 1.0 / example.RATE_HZ)
+    links = np.column_stack([0.3 * np.sin(3.0 * t), 0.5 * np.sin(2.0 * t)]) * np.clip(t - 1.0, 0.0, 1.0)[:, None]
+    rates = np.zeros((len(t), 6))
+    rates[:, [2, 5]] = np.gradient(links, t, axis=0) * [1.0, -1.0] + 1e-4 * t[:, None] + 0.01
+    links[(t > 8.0) & (t < 10.0)] = links[t > 8.0][0]
+    q = np.column_stack([links[:, 0], links[:, 1] - links[:, 0]])
+    trial = example.Trial("one", t, np.zeros((len(t), 6)), rates, q)
+    moving = (example.inside_of(trial)) & ((t < 8.0) | (t > 10.0))
+    off = example.misses(trial, example.at_level(trial), q)[moving[example.inside_of(trial)]]
+    assert np.abs(off).mean() < 0.005
+    assert np.abs(example.misses(trial, q, example.at_level(trial))).max() > 0.2
 
 
 def test_gyros_are_read_where_the_arm_has_them(example: ModuleType) -> None:
