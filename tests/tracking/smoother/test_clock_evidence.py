@@ -52,3 +52,11 @@ def test_one_block_foretells_nothing() -> None:
 def test_the_odds_must_be_a_hundred_to_one(late_s: float, kept: list[int]) -> None:
     """Known to 1 ms by a prior of 30 ms, 3.5 ms are 2.7 nats and 6 ms are 14.6."""
     assert accepted(slopes_of(np.full((8, 1), late_s))) == kept
+
+
+def test_readings_count_as_many_times_less_as_their_errors_are_dispersed() -> None:
+    """6 ms known to 1 ms speak by 14.6 nats; where the model's errors are ten times as large, by 1.5."""
+    error, drift = np.full((80, 1, 3), -6e-3 * 1e6 / 240.0), np.ones((80, 1, 3))
+    precision, covariance = np.full(error.shape, 1e6 / 240.0), np.array([[1.0 / (1e6 + PRIOR_S**-2)]])
+    assert accepted(clock_slopes(error, precision, drift, covariance, PRIOR_S, 10)) == [0]
+    assert accepted(clock_slopes(error, precision, drift, covariance, PRIOR_S, 10, 10.0)) == []
