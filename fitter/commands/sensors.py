@@ -55,7 +55,15 @@ def sensors(arguments: argparse.Namespace) -> Document:
     """Calibrate the sensors and write the arm."""
     arm = questioned_arm(arguments.arm)
     names = [sensor.name for sensor in arm.sensors]
-    runs = load_raw(arguments.data, names, arm.n_joint, arguments.columns, rate_hz=arguments.rate_hz, arm=arm)
+    runs = load_raw(
+        arguments.data,
+        names,
+        arm.n_joint,
+        arguments.columns,
+        rate_hz=arguments.rate_hz,
+        arm=arm,
+        as_filed=False,
+    )
     given = arguments.initial_q
     q0 = None if given is None else joint_values(given, arm, "--initial-q")
     prior = MountingPrior(

@@ -147,6 +147,7 @@ def load_raw(
     *,
     rate_hz: float | None = None,
     arm: Arm | None = None,
+    as_filed: bool = True,
 ) -> list[RawRun]:
     """Read raw accelerations.
 
@@ -167,6 +168,8 @@ def load_raw(
         Rate of the samples where a file has no time.
     arm : Arm, optional
         Whose sensors the files say they are of: they are questioned, see `fitter.data.plausibility`.
+    as_filed : bool
+        Sensors are turned as the arm file says; otherwise how is still to be found.
 
     Returns
     -------
@@ -204,7 +207,7 @@ def load_raw(
     whole += join(parts, sensors, mapping)
     runs: list[RawRun] = []
     for clock in (clock for motion in whole for clock in _clocks(motion)):
-        pieces = split_at_leaps(clock if arm is None else look(clock, arm))
+        pieces = split_at_leaps(clock if arm is None else look(clock, arm, as_filed))
         runs += [replace(_run(piece, sensors), after_leap=k > 0) for k, piece in enumerate(pieces)]
     return runs
 

@@ -28,8 +28,16 @@ _FASTEST_RAD_S = 35.0
 _POSES = 64
 
 
-def look(motion: Measured, arm: Arm) -> Measured:
+def look(motion: Measured, arm: Arm, as_filed: bool = True) -> Measured:
     """Return raw readings, or refuse them where they cannot be m/s² of specific force or rad/s over seconds.
+
+    Parameters
+    ----------
+    motion : Measured
+    arm : Arm
+    as_filed : bool
+        Sensors are turned as the arm file says. Where that is still to be found, gravity downwards is how they are
+        turned.
 
     Raises
     ------
@@ -46,7 +54,7 @@ def look(motion: Measured, arm: Arm) -> Measured:
     rest = _felt(resting(a), arm)
     if gravity > 0.0 and not stated:
         _require_unit(motion, rest, gravity)
-    if gravity > 0.0:
+    if gravity > 0.0 and as_filed:
         _require_sign(motion, rest, arm, gravity)
     if "t" not in motion.stated:
         _require_seconds(motion, arm, a)

@@ -144,6 +144,13 @@ def test_half_of_the_sensors_turned_round_is_a_mounting():
     assert said_of(motion) == ""
 
 
+def test_the_sign_is_not_asked_of_sensors_that_may_be_turned_in_any_way():
+    """All of those that feel the same in any pose were mounted upside down: `fitter sensors` refused them."""
+    motion = held(-G)
+    assert look(motion, ARM, as_filed=False) is motion
+    assert "in g?" in said_of(held(1.0))
+
+
 def test_the_sign_is_asked_of_readings_whose_unit_is_stated():
     assert "sign turned round" in said_of(held(-G, stated=frozenset({"s1x"})))
     assert said_of(held(1.0, stated=frozenset({"s1z"}))) == ""
