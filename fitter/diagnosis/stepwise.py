@@ -167,9 +167,11 @@ class Stepwise:
     def possible(self, fit: Fit) -> list[tuple[Fit, float]]:
         """Return a model with one hypothesis more, for all that are not a hundred times less likely than it.
 
-        With each comes what it costs [nats]: Schwarz' penalty, and the logarithm of the prior odds against it.
+        None that unfitted trials contradict is: no amount of evidence would make it a cause. With each comes what
+        it costs [nats]: Schwarz' penalty, and the logarithm of the prior odds against it.
         """
-        kept = [one for one in self._likelihood.options(fit) if self._log_evidence(one, fit) > -ODDS_NATS]
+        options = self._likelihood.options(fit)
+        kept = [one for one in options if self._log_evidence(one, fit) > -ODDS_NATS and one.helps(fit)]
         number_nats = 0.5 * float(np.log(len(fit.trial)))
         return [
             (one, number_nats * (one.n_number - fit.n_number) + self._against(one.candidate.hypothesis))

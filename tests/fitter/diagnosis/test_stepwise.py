@@ -82,6 +82,16 @@ def test_what_is_a_hundred_times_less_likely_is_not_possible(seed):
 
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
+def test_what_trials_held_back_contradict_is_not_possible(seed):
+    """It explains much of what is learnt from, and the opposite is true of the other half."""
+    A, noise = drawn(seed, 3)
+    way = np.where(np.arange(N) < N // 2, 1.0, -1.0)
+    search = Stepwise(LinearLikelihood(A, way * A[:, 1] + noise, [Columns(1)]), 1, MOST)
+    assert search.possible(search.run().base) == []
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
 def test_what_was_sought_elsewhere_is_judged_as_any_cause(seed):
     A, noise = drawn(seed, 3)
     likelihood = LinearLikelihood(A, A[:, 0] + A[:, 1] + noise, [Columns(0)])
