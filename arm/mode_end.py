@@ -11,7 +11,7 @@ from limbcal.compiled import compiled
 
 #: How exactly it is placed, as a share of the step.
 CUT_AT = 1e-13
-#: Every so many rounds it is sought by bisection, which cannot fail.
+#: Once in this number of rounds it is sought by bisection, which cannot fail.
 _BISECTED = 4
 
 

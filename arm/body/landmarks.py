@@ -57,7 +57,7 @@ class LimbMap:
 
 
 def limb_map(preset: str, n_joint: int) -> LimbMap:
-    """Return the map of a preset with so many joints: nine of an arm begin at the thorax, seven at the scapula."""
+    """Return the map of a preset by its joints: nine of an arm begin at the thorax, seven at the scapula."""
     side = preset.rpartition("-")[2]
     if "arm" in preset:
         k = n_joint - 7

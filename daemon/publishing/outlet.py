@@ -35,7 +35,7 @@ class Outlet:
     publish_raw : bool
         Whether subscribers get `limb/raw`; the recorder always does.
     learning : int
-        So many motions are for learning, those after them for evaluating.
+        Number of motions for learning; those after them are for evaluating.
     delay : Delay or None
         Takes note of every block of frames that came from samples; None where they are of long ago.
     """

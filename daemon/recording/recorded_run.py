@@ -20,7 +20,7 @@ from protocol.recording_reader import read_recording
 
 #: Ticks of a replayed device: fine enough that a single lost sample is beyond doubt.
 TICKS_PER_SAMPLE = 1000
-#: So many blocks that were passed are remembered: more than wait in the ring.
+#: This number of blocks that were passed is remembered: more than wait in the ring.
 _PASSED = 8192
 _INT16 = np.iinfo(np.int16)
 

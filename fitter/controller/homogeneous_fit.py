@@ -98,7 +98,7 @@ def homogeneous_fit(rows: Sequence[Floats], noise: Sequence[RowNoise], alike: fl
     noise : sequence of RowNoise
         Of each trial's rows.
     alike : float
-        How many rows have the same noise: so many fewer are independent.
+        How many rows have the same noise: independent ones are fewer by this factor.
     """
     R = np.concatenate(rows)
     n, ends = R.shape[1], np.cumsum([len(part) for part in rows])[:-1]

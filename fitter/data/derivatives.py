@@ -18,7 +18,7 @@ Ends = Literal["odd", "even"]
 ORDER = 4
 #: Periods of the corner frequency after which the guess about what lies beyond an end has died away.
 SETTLING_PERIODS = 2.0
-#: So many times that is guessed, so that even a column that does not end at rest begins settled.
+#: This multiple of it is guessed, so that even a column that does not end at rest begins settled.
 PADDING = 3
 #: A corner above this share of the sampling rate leaves nothing to filter.
 HIGHEST_CORNER = 0.45

@@ -27,7 +27,7 @@ def refiltered(trials: Sequence[Trial]) -> list[Trial]:
 
 
 def wider(trial: Trial, factor: float) -> Trial:
-    """Return a trial whose derivatives were found behind a filter with so many times the corner.
+    """Return a trial whose derivatives were found behind a filter with a multiple of the corner.
 
     One that was never filtered stays as it is.
     """

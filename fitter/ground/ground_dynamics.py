@@ -27,7 +27,7 @@ _UNITS = ("kg m^2",) * 6 + ("kg m",) * 3 + ("kg",)
 
 @dataclass(frozen=True)
 class Combination:
-    """A sum of standard parameters, without unit, that the ground tells although its terms may not be told.
+    """A sum of standard parameters, without unit, that is identified although its terms may not be.
 
     Attributes
     ----------

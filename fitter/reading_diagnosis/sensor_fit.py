@@ -84,7 +84,7 @@ def judge(trials: Trials, fitted: Fitted, passes: int = ITERATIONS) -> Fitted:
     """Return a fit with the squared residual of every judging trial.
 
     Parameters that the learning trials show poorly are not held against a hypothesis where the judging trials
-    show them well: the probability of these is foretold with all that the learning trials leave open. With H
+    show them well: the probability of these is predicted with all that the learning trials leave open. With H
     the information of the learning trials, G that of the judging ones and x by how much the parameters would
     have to move, minus twice its logarithm is ``squares(x) + x^T H x + log det(1 + H^-1 G)``; the latter two
     are the surprise.

@@ -46,7 +46,7 @@ class TrialFrames:
     std : (n_channel,) [m/s^2]
         White noise of a frame.
     resting : int
-        So many frames the arm rests at first.
+        Number of frames for which the arm rests at first.
     """
 
     raw: RawRun

@@ -158,7 +158,7 @@ class Fitted:
     squares : (n_trial,)
         Each trial's squared residual; NaN where it was not judged.
     surprise : float
-        What it takes beyond that for the judging trials to be as the learning trials foretold, see `Trials.judge`.
+        What it takes beyond that for the judging trials to be as the learning trials predict, see `Trials.judge`.
     """
 
     hypothesis: SensorHypothesis

@@ -30,7 +30,7 @@ Method = Literal["integrate", "filter", "smooth"]
 _LOOKED_AT_S = 2.0 * WINDOW_S
 #: Steps between true samples above which nothing is known of what lies between them.
 _HOLE_SAMPLES = 1.5
-#: An angle is held to be within so many of its own standard deviations.
+#: An angle is held to be within this number of its own standard deviations.
 _SIGMAS = 3.0
 
 

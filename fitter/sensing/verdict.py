@@ -57,7 +57,7 @@ class Verdict:
 
 
 def verdict_of(found: Consistency | Smoothed, frames: int) -> Verdict:
-    """Return what a filter or a smoother says after so many frames."""
+    """Return what a filter or a smoother says after a number of frames."""
     if isinstance(found, Smoothed):
         claim = Verdict(doubted=found.doubted, passes=found.passes, converged=found.converged, late_s=_late(found))
         if found.discrepancy is None:

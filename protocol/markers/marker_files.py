@@ -39,7 +39,7 @@ def read_markers(paths: Sequence[Path], progress: Callable[[int], None] | None =
     paths : sequence of Path
         C3D or TRC.
     progress : callable, optional
-        Told how many files are done.
+        Called with how many files are done.
 
     Raises
     ------

@@ -13,7 +13,7 @@ from tracking.kalman.multiple_model_filter import MultipleModelFilter
 from tracking.model.innovation_test import Consistency
 from tracking.model.noise import Noise
 
-#: In how long it is next asked whether readings fit [s], and for so many times that long one looks back: a joint
+#: In how long it is next asked whether readings fit [s], and for what multiple of it one looks back: a joint
 #: that sets out strains a filter for some hundredths of a second. Another one begins anew as long before.
 _SPAN_S, _BACK = 0.5, 4
 #: Readings contradict the arm if the innovations' mean square is this many times what the filter claims, a

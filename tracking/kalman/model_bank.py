@@ -1,4 +1,4 @@
-r"""Filters side by side that differ in how much they hold their model to lack, weighed by what they foretell.
+r"""Filters side by side that differ in how much they hold their model to lack, weighed by predictive density.
 
 Each takes the readings for those of `tracking.model.discrepancy` with sizes of its own, from a grid; what is known
 is the mixture of all (multiple-model estimation: D. T. Magill, *Optimal adaptive estimation of sampled stochastic
@@ -128,7 +128,7 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
     # the caller keeps them
     of, room, course, bank, taken = borrowed(of), borrowed(room), borrowed(course), borrowed(bank), borrowed(taken)
     n_model, size = bank.x.shape
-    foretold, worst = np.empty(n_model), 0.0
+    log_density, worst = np.empty(n_model), 0.0
     for i in range(n_model):
         x, P = bank.x[i], bank.P[i]
         own = Course(
@@ -147,22 +147,22 @@ def advance(of: Observation, room: Room, course: Course, bank: Bank, taken: Take
             bank.memory_s[i],
         )
         predict(of, own, 1, x, P)
-        foretold[i] = 0.0
+        log_density[i] = 0.0
         if course.present[1]:
             if not still:
                 bank.at[i] = x
-            foretold[i] = take_robustly(of, room, own, bank.at[i], x, P, taken)
+            log_density[i] = take_robustly(of, room, own, bank.at[i], x, P, taken)
         if still:
             hold(own, 1, x, P, taken)
-        if math.isfinite(foretold[i]) and math.isfinite(x.sum()) and math.isfinite(P.sum()):
-            worst = min(worst, foretold[i])
+        if math.isfinite(log_density[i]) and math.isfinite(x.sum()) and math.isfinite(P.sum()):
+            worst = min(worst, log_density[i])
         else:  # it has lost itself, and begins again as what is known
-            x[:], P[:], foretold[i] = bank.mean, bank.covariance, np.nan
+            x[:], P[:], log_density[i] = bank.mean, bank.covariance, np.nan
     for i in range(n_model):
-        if not math.isfinite(foretold[i]):
-            foretold[i] = worst
+        if not math.isfinite(log_density[i]):
+            log_density[i] = worst
     if course.present[1] and not still:
-        weigh(bank, foretold, course.dt)
+        weigh(bank, log_density, course.dt)
     mix(bank)
 
 
@@ -202,13 +202,13 @@ def take_robustly(
 
 
 @compiled
-def weigh(bank: Bank, foretold: Floats, dt: float) -> None:
+def weigh(bank: Bank, log_density: Floats, dt: float) -> None:
     """Weigh the filters anew by how probable each held the readings of an instant to be, (n_model,)."""
-    behind = np.zeros(foretold.size)
+    behind = np.zeros(log_density.size)
     for memory in range(2):
         kept = math.exp(-dt / (SHORT_S if memory == 0 else LONG_S))
         evidence = bank.evidence[memory]
-        evidence[:] = kept * evidence + (1.0 - kept) * foretold
+        evidence[:] = kept * evidence + (1.0 - kept) * log_density
         behind = np.minimum(behind, evidence - evidence.max())
     bank.weight[:] = np.exp((behind - behind.max()) * SHORT_S / dt)
     bank.weight[:] /= bank.weight.sum()

@@ -35,11 +35,11 @@ class Noise:
     least: Floats | float = 0.0
 
     def of_mean(self, n_samples: int) -> Floats:
-        """Return the variance of a mean of so many samples."""
+        """Return the variance of a mean of ``n_samples``."""
         return np.maximum(self.variance, self.least) / n_samples + self.rounding
 
     def parts_of_mean(self, n_samples: int) -> Floats:
-        """Return the variance of a mean of so many samples in its two parts, white noise and rounding, (2, n)."""
+        """Return the variance of a mean of ``n_samples`` in its two parts, white noise and rounding, (2, n)."""
         return np.stack([np.maximum(self.variance, self.least) / n_samples, self.rounding])
 
 

@@ -15,5 +15,5 @@ _ALARM = 1e-6
 
 
 def alarm_limit(n_miss: int) -> float:
-    """Return the squared size of so many misses beyond which they are not noise."""
+    """Return the squared size of a number of misses beyond which they are not noise."""
     return float(chdtri(n_miss, _ALARM))
