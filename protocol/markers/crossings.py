@@ -7,7 +7,6 @@ an exchange of half of it changes as much as it is changed by them, those of a r
 
 from collections import defaultdict
 from collections.abc import Sequence
-from itertools import combinations
 
 import numpy as np
 
@@ -51,7 +50,9 @@ def uncrossed(
     for (i, j), frames in _crossings(recording).items():
         mask, is_decided = _exchanged(recording, others, (i, j), frames)
         for first, last in runs(mask):
-            mask[first:last] &= last - first >= SHORTEST_S * recording.rate_hz  # a glimpse is not enough
+            # a glimpse is not enough, but between two leaps
+            is_long = last - first >= SHORTEST_S * recording.rate_hz
+            mask[first:last] &= is_long or (first in frames and last in frames)
         frame = np.flatnonzero(mask)[:, None]
         positions[frame, [i, j]] = positions[frame, [j, i]]
         exchanged[frame, [i, j]] = True
@@ -71,41 +72,51 @@ def uncrossed(
     return notes, positions, exchanged
 
 
-def _crossings(recording: MarkerRecording) -> dict[tuple[int, int], list[int]]:
-    """Return the frames in which two markers are on each other's places of the frame before, by pair."""
+def _crossings(recording: MarkerRecording) -> dict[tuple[int, int], dict[int, bool]]:
+    """Return the frames in which two markers are on each other's places of the frame before, by pair.
+
+    Where one of them is not seen before or after, the other's leap onto its place or off its own is enough; the
+    value says whether both were seen.
+    """
     at, x = defaultdict[int, list[int]](list), recording.positions
     for k in range(x.shape[1]):
         for frame in leaps_of(x[:, k], recording.rate_hz):
             at[frame].append(k)
-    found = defaultdict[tuple[int, int], list[int]](list)
+    found = defaultdict[tuple[int, int], dict[int, bool]](dict)
     for frame, leaping in sorted(at.items()):
-        for i, j in combinations(leaping, 2):
-            before, after = x[frame - 1, [i, j]], x[frame, [i, j]]
-            leap = np.linalg.norm(after - before, axis=1)
-            if np.all(np.linalg.norm(after - before[::-1], axis=1) < _NEARER * leap):
-                found[i, j].append(frame)
+        before, after = x[frame - 1], x[frame]
+        for i in leaping:
+            leap = np.linalg.norm(after[i] - before[i])
+            onto = np.linalg.norm(after[i] - before, axis=1) < _NEARER * leap
+            off = np.linalg.norm(after - before[i], axis=1) < _NEARER * leap
+            is_half = np.isnan(before[:, 0]) != np.isnan(after[:, 0])
+            for j in np.flatnonzero((onto & off) | ((onto | off) & is_half)).tolist():
+                found[min(i, j), max(i, j)][frame] = not is_half[j]
     return found
 
 
 def _exchanged(
-    recording: MarkerRecording, others: Sequence[MarkerRecording], pair: tuple[int, int], frames: list[int]
+    recording: MarkerRecording, others: Sequence[MarkerRecording], pair: tuple[int, int], frames: dict[int, bool]
 ) -> tuple[np.ndarray, bool]:
     """Return in which frames two markers have each other's labels, and whether other recordings decide it."""
     seen: np.ndarray = ~np.any(recording.missing[:, list(pair)], axis=1)
     starts = np.zeros(len(seen), dtype=np.bool_)
-    starts[frames] = True
+    starts[list(frames)] = True
     parts = [part for run in runs(seen) for part in _cut(run, starts)]
     reference = max(parts, key=lambda part: part[1] - part[0])
     own = _distances(recording.positions[slice(*reference)], pair)
-    mask = np.zeros(len(seen), dtype=np.bool_)
+    mask, is_judged = np.zeros((2, len(seen)), dtype=np.bool_)
     for part in parts:
-        mask[slice(*part)] = _crossed(own, _distances(recording.positions[slice(*part)], pair)) > 0.0
+        # after another motion distances alone mislead: where one marker leapt, only the runs that end there count
+        if any(frames.values()) or frames.keys() & set(part):
+            is_judged[slice(*part)] = True
+            mask[slice(*part)] = _crossed(own, _distances(recording.positions[slice(*part)], pair)) > 0.0
     names = [recording.names[k] for k in pair]
     votes = [_crossed(own, _like(other, recording, pair)) for other in others if set(names) <= set(other.names)]
     by_others = float(np.sum(np.sign(votes)))
     is_decided = by_others != 0.0
     is_other_way = by_others > 0.0 if is_decided else 2 * mask.sum() > seen.sum()
-    return ~mask & seen if is_other_way else mask, is_decided
+    return ~mask & is_judged if is_other_way else mask, is_decided
 
 
 def _cut(run: tuple[int, int], starts: np.ndarray) -> list[tuple[int, int]]:

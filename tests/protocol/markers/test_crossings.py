@@ -69,6 +69,44 @@ def test_alone_the_longer_part_is_taken_for_right():
     np.testing.assert_array_equal(looked.recording.positions, sound.points)
 
 
+def seen_in_the_exchange_only():
+    """Return a thigh whose second marker appears at the first one's place, and is lost where that leaps there."""
+    damaged = with_each_others_labels(a_thigh_and_shank(), 200, 260)
+    damaged.points[120:200, 1] = damaged.points[260:330, 1] = np.nan
+    return damaged
+
+
+def test_one_marker_leaps_onto_the_place_of_another_that_is_lost_or_found_there():
+    damaged, expected = seen_in_the_exchange_only(), a_thigh_and_shank().points
+    looked = look_at([damaged])[0]
+    (note,) = [one for one in looked.notes if one.kind == "swapped"]
+    assert set(note.columns) == {"T0", "T1"} and (note.from_s, note.to_s) == pytest.approx((2.0, 2.6))
+    expected[120:200, 1] = expected[260:330, 1] = np.nan
+    np.testing.assert_array_equal(looked.recording.positions, expected)
+
+
+def test_a_glimpse_between_two_leaps_is_an_exchange():
+    sound = a_thigh_and_shank()
+    damaged = with_each_others_labels(sound, 300, 302)
+    damaged.points[250:300, 1] = damaged.points[302:340, 1] = np.nan  # seen in the exchange only
+    looked = look_at([damaged])[0]
+    (note,) = [one for one in looked.notes if one.kind == "swapped"]
+    assert (note.from_s, note.to_s) == pytest.approx((3.0, 3.02))
+    np.testing.assert_array_equal(looked.recording.positions[300:302], sound.points[300:302])
+
+
+def test_after_one_marker_leapt_runs_that_do_not_end_there_are_left_alone():
+    """Where other segments have moved, their distances look like those of an exchange."""
+    damaged = seen_in_the_exchange_only()
+    damaged.points[400:410] = np.nan
+    damaged.points[410:420, [0, 1]] = damaged.points[410:420, [1, 0]]
+    damaged.points[420:430] = np.nan
+    raw = MarkerRecording(damaged.path, RATE_HZ, damaged.labels, damaged.points, "m", "+z")
+    notes, _, where = uncrossed(raw, [])
+    assert [(note.from_s, note.to_s) for note in notes] == [pytest.approx((2.0, 2.6))]
+    assert not where[400:].any()
+
+
 def test_none_is_claimed_where_none_leaps():
     raw = walking()
     one = MarkerRecording(raw.path, RATE_HZ, raw.labels, raw.points, "m", "+z")
