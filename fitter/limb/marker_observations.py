@@ -24,6 +24,8 @@ _SWAY_TURNS = np.arange(SWAY) >= SWAY // 2
 _SWAY_ROWS = np.vstack([_ALONG_AXES, _ALONG_AXES]) * np.array([np.pi, 1.0, 1.0, np.pi, np.pi])
 #: Standard deviation of a sway that cannot be [m or rad], and of one that markers determine [m], [rad].
 _NO_SWAY, _FREE_M, _FREE_RAD = 1e-6, 0.05, 0.3
+#: … and of one of a base that may be anywhere in a laboratory [m].
+_ANYWHERE_M = 10.0
 
 
 class Frames(NamedTuple):
@@ -134,6 +136,13 @@ def base_follows(prior: AnglePrior, n_marker: int) -> AnglePrior:
     sway[:3] = _FREE_M if n_marker else _NO_SWAY
     sway[3:] = _FREE_RAD if n_marker >= 3 else _NO_SWAY
     return _with_sway(prior, sway)
+
+
+def base_anywhere(prior: AnglePrior) -> AnglePrior:
+    """Return the prior of a limb that tells where its base is; the base keeps its orientation as before."""
+    information = prior.information.copy()
+    information[: SWAY // 2] = _ANYWHERE_M**-2
+    return AnglePrior(prior.mean, information)
 
 
 def _with_sway(prior: AnglePrior, std: Floats) -> AnglePrior:

@@ -4,18 +4,18 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.spatial.transform import Rotation, Slerp
 
 from arm.effects.marker_effects import marked_in, slid_markers
 from arm.marker_kinematics import MarkerChain
 from arm.model import Arm, Floats
 from fitter.functional.rigid_fit import fit_poses
 from fitter.functional.template import doubtful_rms_m
+from fitter.limb.base_gaps import carried_by_limb, interpolated
 from fitter.limb.base_motion import poses_of
 from fitter.limb.floating_base import floating_angles
 from fitter.limb.inverse_kinematics import follow, link_poses
 from fitter.limb.marked_arm import MarkedArm, marked_arm
-from fitter.limb.marker_observations import Frames
+from fitter.limb.marker_observations import Frames, base_anywhere
 from fitter.limb.motion_smoother import Smoothed, smooth
 from limbcal.errors import DataError
 from limbcal.note import Note
@@ -104,17 +104,25 @@ def _solved(marked: MarkedArm, recording: MarkerRecording, seed: int) -> SolvedM
             f"{', '.join(there) or 'none'}, expected at least {_LEAST_MARKERS}"
         )
     carried = recording.of(marked.base.markers)
-    R, p, more = _filled(recording, marked, *_trusted(marked.base.points_m, carried))
+    R, p = _trusted(marked.base.points_m, carried)
+    known = np.isfinite(p[:, 0])
+    more = _base_gap(recording, marked, known)
     t = recording.t
     everything = np.ascontiguousarray(np.concatenate([y, carried], axis=1))
-    frames = Frames(everything, R, p, np.zeros(len(t), dtype=np.int64), t)
+    frames = Frames(everything, *interpolated(R, p), np.zeros(len(t), dtype=np.int64), t)
     more += _blind(np.isfinite(everything[..., 0]).sum(axis=1), recording.rate_hz)
     chain, std = marked.everything.chain(marked.geometry), marked.everything.std
-    sway, about = marked.markers.sway, None
+    sway, prior = marked.markers.sway, marked.angles
     if not sway:
-        about = floating_angles(marked.geometry, marked.everything, frames, marked.angles, seed)
-    q = _first(follow(chain, frames, std, marked.angles, seed, begin=about), seen, chain.revolute)
-    found = smooth(chain, frames, std, marked.angles, 1.0 / recording.rate_hz, q, 1.0 if sway else _JERK_OF_A_BODY)
+        about = floating_angles(marked.geometry, marked.everything, frames, prior, seed)
+        q = follow(chain, frames, std, prior, seed, begin=about)
+    elif known.all():
+        q = follow(chain, frames, std, prior, seed)
+    else:
+        prior = base_anywhere(prior)
+        q = carried_by_limb(chain, frames, std, prior, known, seed)
+    q = _first(q, seen, chain.revolute)
+    found = smooth(chain, frames, std, prior, 1.0 / recording.rate_hz, q, 1.0 if sway else _JERK_OF_A_BODY)
     if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
     return SolvedMotion(marked, chain, frames, found, (*notes, *more))
@@ -164,36 +172,27 @@ def _blind(n_seen: NDArray[np.int64], rate_hz: float) -> list[Note]:
     return [Note("gap", text, from_s=first / rate_hz, to_s=last / rate_hz)]
 
 
-def _filled(
-    recording: MarkerRecording, marked: MarkedArm, R: Floats, p: Floats
-) -> tuple[Floats, Floats, list[Note]]:
-    """Return the base's poses with those in between where its markers were not seen, and say so."""
-    known = np.flatnonzero(np.isfinite(p[:, 0]))
+def _base_gap(recording: MarkerRecording, marked: MarkedArm, known: NDArray[np.bool_]) -> list[Note]:
+    """Say where the base has no pose of its own, (n_frame,); refuse where it never has."""
     missing = [name for name in marked.base.markers if name not in recording.names]
-    if not len(known) and len(missing) == len(marked.base.markers):
+    if not known.any() and len(missing) == len(marked.base.markers):
         hint = did_you_mean(missing[0], recording.names)
         raise DataError(
             f"{recording.path}: it has none of the base's markers {', '.join(missing)}, expected three of them, "
             f"or all where there are fewer{hint}"
         )
-    if not len(known):
+    if not known.any():
         raise DataError(
             f"{recording.path}: no frame shows the base's markers {', '.join(marked.base.markers)} together, "
             "expected three of them, or all where there are fewer"
         )
-    lost = len(p) - len(known)
-    if not lost:
-        return np.ascontiguousarray(R), np.ascontiguousarray(p), []
-    at = np.clip(np.arange(len(p)), known[0], known[-1])
-    p = np.column_stack([np.interp(at, known, p[known, axis]) for axis in range(3)])
-    R = (
-        Slerp(known, Rotation.from_matrix(R[known]))(at).as_matrix()
-        if len(known) > 1
-        else R[np.full(len(p), known[0])]
-    )
-    gaps = np.diff(np.concatenate([[-1], known, [len(p)]])) - 1
+    gaps = runs(~known)
+    if not gaps:
+        return []
+    first, last = max(gaps, key=lambda run: run[1] - run[0])
     text = (
-        f"the base has no pose of its own in {lost} of {len(p)} frames ({gaps.max() / recording.rate_hz:.2f} s at "
-        "the longest): what there is of its markers, and the limb's, tell it there"
+        f"the base has no pose of its own in {np.sum(~known)} of {len(known)} frames "
+        f"({(last - first) / recording.rate_hz:.2f} s at the longest): what there is of its markers, and the "
+        "limb's, tell its place there, and its orientation is interpolated"
     )
-    return np.ascontiguousarray(R), np.ascontiguousarray(p), [Note("base_gap", text, columns=marked.base.markers)]
+    return [Note("base_gap", text, columns=marked.base.markers)]

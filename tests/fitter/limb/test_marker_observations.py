@@ -6,7 +6,15 @@ from scipy.spatial.transform import Rotation
 
 from arm.marker_kinematics import ALPHA, BASE_POSITION, BASE_ROTATION
 from fitter.limb.inverse_kinematics import predicted
-from fitter.limb.marker_observations import SWAY, AnglePrior, base_follows, base_sways, swayed, with_base
+from fitter.limb.marker_observations import (
+    SWAY,
+    AnglePrior,
+    base_anywhere,
+    base_follows,
+    base_sways,
+    swayed,
+    with_base,
+)
 from tests.fitter.limb.simulated_task import simulated_task
 
 
@@ -83,3 +91,10 @@ def test_rows_of_frames_go_together(known):
     found = known.task.frames.rows(np.array([2, 0]))
     assert found.t.tolist() == [2.0, 0.0] and found.y.shape[0] == found.R.shape[0] == found.p.shape[0] == 2
     np.testing.assert_array_equal(found.p[1], known.task.frames.p[0])
+
+
+def test_a_base_that_may_be_anywhere_turns_no_more_than_before(prior):
+    found = base_anywhere(prior)
+    assert stds(found)[:3] == pytest.approx([10.0] * 3)
+    np.testing.assert_array_equal(found.information[3:], prior.information[3:])
+    np.testing.assert_array_equal(found.mean, prior.mean)

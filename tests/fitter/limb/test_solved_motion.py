@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from benchmarks.simulated_people.person import person, with_markers
+from fitter.limb.inverse_kinematics import predicted
 from fitter.limb.solved_motion import solve_motion
 from limbcal.errors import DataError
 
@@ -66,3 +67,20 @@ def test_base_markers_by_other_names_are_named(truth):
     base = tuple(name.lower() if name.startswith("B") else name for name in recording.names)
     with pytest.raises(DataError, match="it has none of the base's markers .*did you mean 'b"):
         solve_motion(with_markers(truth), replace(recording, names=base), 1)
+
+
+def test_who_goes_away_while_the_base_is_hidden_is_followed(truth):
+    recording = truth.recordings[0]
+    t = np.arange(len(recording.positions)) / recording.rate_hz
+    goes = np.column_stack([3.0 * t**2, 2.0 * t, -0.5 * t])[:, None]  # m
+    seen = recording.positions + goes
+    positions = seen.copy()
+    base = [name.startswith("B") for name in recording.names]
+    positions[20:, base] = np.nan  # until the end: nothing after it says where the base went
+    solved = solve_motion(with_markers(truth), replace(recording, positions=positions), 1)
+    off = solved.frames.y - predicted(solved.chain, solved.frames, solved.smoothed.q)
+    assert np.nanmax(np.linalg.norm(off, axis=2)) < 0.01
+    as_it_is = solve_motion(with_markers(truth), replace(recording, positions=seen), 1)
+    elbow = slice(solved.marked.markers.sway + 3, None)  # the shoulder takes up how the base turns meanwhile
+    away = np.degrees(np.abs(solved.smoothed.q - as_it_is.smoothed.q))[:, elbow]
+    assert np.median(away) < 1.0
