@@ -1,8 +1,10 @@
 """A limb's angles over a whole trial: markers of every frame, and a motion prior across what is missing.
 
-Angles are those of white jerk: third differences are normal with variance ``S dt^5``. With the markers' equations
-of every frame that makes one banded system a Gauss-Newton step; its inverse, as far as the band reaches, has the
-variances (Takahashi, Fagan and Chin 1973).
+Angles are those of white jerk: third differences have a t distribution, ``S dt^5`` being the square of its scale.
+So motion is smooth but for impacts: a blow, a grip or a wrist that is flicked changes a velocity within a frame or
+two, and with a normal distribution the markers would be outliers there. With the markers' equations of every frame
+that makes one banded system a Gauss-Newton step; its inverse, as far as the band reaches, has the variances
+(Takahashi, Fagan and Chin 1973).
 """
 
 from dataclasses import dataclass
@@ -13,17 +15,16 @@ from scipy.linalg import cho_solve_banded, cholesky_banded
 from arm.marker_kinematics import MarkerChain, Slopes, slopes_room
 from arm.model import Floats
 from fitter.limb.inverse_kinematics import frame_equations
-from fitter.limb.marker_observations import AnglePrior, Frames
+from fitter.limb.marker_observations import FREEDOM, AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with
-#: markers that wander by 8 mm
-#: some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than people's motion has
+#: markers that wander by 8 mm some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than people's motion has
 #: (Winter 2009: 6 Hz hold nearly all of it).
 JERK_DENSITY, SWAY_JERK_DENSITY = 1e6, 4e4
 #: Frequency up to which that is [Hz].
 PASSES_HZ = 12.0
-_MOST_ITERATIONS = 30
+_MOST_ITERATIONS = 100
 #: Iterations end where no angle changes by more: a tenth of a degree, where their errors are degrees [rad].
 _CONVERGED_RAD = 2e-3
 _SHORTENED = (1.0, 0.5, 0.2, 0.05)
@@ -72,14 +73,14 @@ def smooth(
     n = q.shape[1]
     density = jerk_share * np.where(chain.revolute, JERK_DENSITY, SWAY_JERK_DENSITY)
     jerk = 1.0 / (density * dt_s**5)
-    band = _jerk_band(len(q), jerk)
+    n_band = 3 * n + 1
     room = slopes_room(n, 0)
     A, a = np.empty((len(q), n, n)), np.empty((len(q), n))
     variance = std_m**2
     now = _equations(chain, frames, variance, prior, q, room, A, a) + _roughness(q, jerk)
     converged = False
     for _ in range(_MOST_ITERATIONS):
-        factor = cholesky_banded(band + _data_band(A, len(band)), lower=True)
+        factor = cholesky_banded(_jerk_band(q, jerk) + _data_band(A, n_band), lower=True)
         step = cho_solve_banded((factor, True), (a - _pull(q, jerk)).ravel()).reshape(q.shape)
         for share in _SHORTENED:
             trial = q + share * step
@@ -96,7 +97,7 @@ def smooth(
             break
     # skin's error is one and the same over the frames that the prior averages
     alike = max(1.0, 1.0 / (2.0 * PASSES_HZ * dt_s))
-    factor = cholesky_banded(band + _data_band(A / alike, len(band)), lower=True)
+    factor = cholesky_banded(_jerk_band(q, jerk) + _data_band(A / alike, n_band), lower=True)
     variances = np.empty(q.size)
     _selected_inverse(np.ascontiguousarray(factor), variances)
     return Smoothed(q, np.sqrt(variances).reshape(q.shape), converged)
@@ -107,26 +108,36 @@ def _differences(n: int) -> Floats:
     return np.array([-1.0, 3.0, -3.0, 1.0]) if n >= 4 else np.zeros(4)
 
 
-def _jerk_band(n_frame: int, jerk: Floats) -> Floats:
-    """Return the prior's information as a lower band, (3 n + 1, n_frame n)."""
-    n, c = len(jerk), _differences(n_frame)
-    band = np.zeros((3 * n + 1, n_frame, n))
-    for row in range(max(n_frame - 3, 0)):
+def _weights(rough: Floats, jerk: Floats) -> Floats:
+    """Return the information of third differences, a t distribution's, (n_frame - 3, n)."""
+    return np.asarray((FREEDOM + 1.0) / (FREEDOM + jerk * rough**2) * jerk)
+
+
+def _jerk_band(q: Floats, jerk: Floats) -> Floats:
+    """Return the prior's information about a motion as a lower band, (3 n + 1, n_frame n)."""
+    n_frame, n = q.shape
+    c, band = _differences(n_frame), np.zeros((3 * n + 1, n_frame, n))
+    if n_frame >= 4:
+        weight = _weights(np.diff(q, 3, axis=0), jerk)
         for i in range(4):
             for j in range(i, 4):
-                band[(j - i) * n, row + i] += c[i] * c[j] * jerk
+                band[(j - i) * n, i : n_frame - 3 + i] += c[i] * c[j] * weight
     return band.reshape(3 * n + 1, n_frame * n)
 
 
 def _roughness(q: Floats, jerk: Floats) -> float:
-    return float(np.sum(jerk * np.diff(q, 3, axis=0) ** 2)) if len(q) >= 4 else 0.0
+    """Return minus twice the log prior of a motion, up to a constant."""
+    if len(q) < 4:
+        return 0.0
+    return float((FREEDOM + 1.0) * np.sum(np.log1p(jerk * np.diff(q, 3, axis=0) ** 2 / FREEDOM)))
 
 
 def _pull(q: Floats, jerk: Floats) -> Floats:
     """Return the slope of half the roughness."""
     out = np.zeros_like(q)
     if len(q) >= 4:
-        rough = jerk * np.diff(q, 3, axis=0)
+        rough = np.diff(q, 3, axis=0)
+        rough *= _weights(rough, jerk)
         for i, c in enumerate(_differences(len(q))):
             out[i : len(q) - 3 + i] += c * rough
     return out
