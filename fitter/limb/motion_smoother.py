@@ -19,8 +19,8 @@ from fitter.limb.marker_observations import FREEDOM, AnglePrior, Frames
 from limbcal.compiled import compiled
 
 #: Spectral density of the jerk, of joints and turns of the base [rad²/s⁵], and of its shifts [m²/s⁵]: with
-#: markers that wander by 8 mm some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than people's motion has
-#: (Winter 2009: 6 Hz hold nearly all of it).
+#: markers that wander by 8 mm some 15 cm from an axis the prior lets pass what is below about 12 Hz, more than
+#: people's motion has but for impacts (Winter 2009: 6 Hz hold nearly all of it).
 JERK_DENSITY, SWAY_JERK_DENSITY = 1e6, 4e4
 #: Frequency up to which that is [Hz].
 PASSES_HZ = 12.0
