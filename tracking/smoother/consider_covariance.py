@@ -19,11 +19,15 @@ covariance
 
 .. math:: P^* = (C^{-1} + I / \varphi)^{-1}.
 
+The angles with which the recording begins are among them: what was known of them was not read either. Were they
+left to the filter, a given angle would count 1/phi for how a sensor is turned, and gravity would not tell it.
+
 The motion is the most probable one with the constants there. Of its covariance, J P* J^T is the constants' part,
 with its response J to them (consider parameters; S. F. Schmidt, *Application of state-space methods to navigation
 problems*, 1966); the rest is that with constants held.
 """
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -102,9 +106,10 @@ def consider(problem: Linearised, memory_s: float) -> Considered:
         For how long what the model lacks lasts.
     """
     columns = constants(problem.of, problem.P0)
-    unit = np.sqrt(problem.P0[columns, columns])
-    before = problem.P0[np.ix_(columns, columns)] / np.outer(unit, unit)
-    miss, precision, slopes, response = sensitivities(problem, columns, unit)
+    sought = np.concatenate([columns, _first_angles(problem)])
+    units = np.sqrt(problem.P0[sought, sought])
+    before = problem.P0[np.ix_(sought, sought)] / np.outer(units, units)
+    miss, precision, slopes = slopes_of(problem, sought, units)
     length = max(1, round(STRETCH_MEMORIES * memory_s / problem.course.dt))
     begins = np.arange(0, max(1, len(miss) - length // 2), length)  # the last one is no shorter than half of one
     score = np.add.reduceat(np.einsum("kci,kc->ki", slopes, miss * precision), begins, axis=0)
@@ -112,9 +117,17 @@ def consider(problem: Linearised, memory_s: float) -> Considered:
     known = posterior(before, information.sum(axis=0))
     factor = dispersion(score - information @ (known @ score.sum(axis=0)), information, known)
     known = posterior(before, information.sum(axis=0) / factor)
-    moved = known @ score.sum(axis=0) / factor
+    own = slice(0, len(columns))
+    moved, known, unit = (known @ score.sum(axis=0))[own] / factor, known[own, own], units[own]
+    response = responses_of(problem, columns, unit)
     variance = np.einsum("kjp,pq,kjq->kj", response, known, response)
     return Considered(columns, factor, unit * moved, known * np.outer(unit, unit), variance)
+
+
+def _first_angles(problem: Linearised) -> NDArray[np.intp]:
+    """Return where the state has joints of which it is not known exactly where they begin."""
+    angles = 3 * np.arange(problem.n_joint, dtype=np.intp)
+    return angles[problem.P0[angles, angles] > 0.0]
 
 
 def posterior(before: Floats, information: Floats) -> Floats:
@@ -124,8 +137,8 @@ def posterior(before: Floats, information: Floats) -> Floats:
     return covariance
 
 
-class Sensitivities(NamedTuple):
-    """How readings and angles depend on the constants, in units of what they may be off before the first reading.
+class Slopes(NamedTuple):
+    """How readings depend on constants, in units of what they may be off before the first reading.
 
     Attributes
     ----------
@@ -133,28 +146,40 @@ class Sensitivities(NamedTuple):
         Innovations with the constants held where they were before, and one over their variances.
     slopes : (n, n_row, n_constant)
         By how much less they miss for each unit.
-    response : (n, 3 n_joint, n_constant)
-        By how much the smoothed q, dq, ddq of every joint move for each.
     """
 
     miss: Floats
     precision: Floats
     slopes: Floats
-    response: Floats
 
 
-def sensitivities(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Sensitivities:
-    """Return how readings and motion depend on constants at some columns (n_constant,), with their units."""
-    moving, count = slice(0, 3 * problem.n_joint), len(columns)
+def slopes_of(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Slopes:
+    """Return how readings depend on constants at some columns (n_constant,), with their units."""
     held = problem._replace(P0=_without(problem.P0, columns))
     miss, total = _innovations(held)
-    motion = held.smoothed(with_variance=False)[0].states[:, moving]
-    slopes, response = np.empty((*miss.shape, count)), np.empty((*motion.shape, count))
-    for j in range(count):
-        moved = held._replace(x0=held.x0 + _shift(problem.P0, columns, unit * (np.arange(count) == j)))
+    slopes = np.empty((*miss.shape, len(columns)))
+    for j, moved in enumerate(_each_moved(problem, held, columns, unit)):
         slopes[:, :, j] = miss - _innovations(moved)[0]
+    return Slopes(miss, 1.0 / total, slopes)
+
+
+def responses_of(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Floats:
+    """Return by how much the smoothed q, dq, ddq of every joint move for each unit, (n, 3 n_joint, n_constant)."""
+    held = problem._replace(P0=_without(problem.P0, columns))
+    moving = slice(0, 3 * problem.n_joint)
+    motion = held.smoothed(with_variance=False)[0].states[:, moving]
+    response = np.empty((*motion.shape, len(columns)))
+    for j, moved in enumerate(_each_moved(problem, held, columns, unit)):
         response[:, :, j] = moved.smoothed(with_variance=False)[0].states[:, moving] - motion
-    return Sensitivities(miss, 1.0 / total, slopes, response)
+    return response
+
+
+def _each_moved(
+    problem: Linearised, held: Linearised, columns: NDArray[np.intp], unit: Floats
+) -> Iterator[Linearised]:
+    """Yield the problem with constants held, one of them after the other a unit further."""
+    for step in np.diag(unit):
+        yield held._replace(x0=held.x0 + _shift(problem.P0, columns, step))
 
 
 def dispersion(score: Floats, information: Floats, known: Floats) -> float:

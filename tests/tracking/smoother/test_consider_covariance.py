@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from arm.arm_file import load_arm
 from tests.tracking.smoother.test_smoothing_pass import Problem
 from tracking.model.observation import ABSENT, MOUNTING
 from tracking.smoother.consider_covariance import (
@@ -12,7 +13,8 @@ from tracking.smoother.consider_covariance import (
     constants,
     dispersion,
     posterior,
-    sensitivities,
+    responses_of,
+    slopes_of,
 )
 from tracking.smoother.linearised import Linearised
 
@@ -33,7 +35,8 @@ def test_slopes_and_responses_make_up_what_the_smoother_claims(dd_arm, case):
     columns = constants(problem.of, problem.P0)
     own = np.ix_(columns, columns)
     unit = np.sqrt(np.diag(problem.P0)[columns])
-    _, precision, slopes, response = sensitivities(problem, columns, unit)
+    _, precision, slopes = slopes_of(problem, columns, unit)
+    response = responses_of(problem, columns, unit)
     found, _, P = problem.smoothed()
     information = np.einsum("kci,kc,kcj->ij", slopes, precision, slopes)
     known = posterior(problem.P0[own] / np.outer(unit, unit), information)
@@ -102,13 +105,14 @@ def test_readings_whose_errors_are_larger_say_less_of_constants(dd_arm):
     noisy = problem._replace(course=problem.course._replace(readings=problem.course.readings + noise))
     found = consider(noisy, 1e-3)
     assert found.dispersion > 3.0 * plain.dispersion
-    own = np.ix_(found.columns, found.columns)
-    unit = np.sqrt(np.diag(problem.P0)[found.columns])
-    _, precision, slopes, _ = sensitivities(problem, found.columns, unit)
+    sought = np.concatenate([found.columns, 3 * np.arange(problem.n_joint)])  # with the first angles
+    unit, count = np.sqrt(np.diag(problem.P0)[sought]), len(found.columns)
+    _, precision, slopes = slopes_of(problem, sought, unit)
     information = np.einsum("kci,kc,kcj->ij", slopes, precision, slopes)
-    inverse = np.linalg.inv(problem.P0[own] / np.outer(unit, unit)) + information / found.dispersion
-    expected = np.linalg.inv(inverse) * np.outer(unit, unit)
-    scale = np.outer(unit, unit)
+    inverse = np.linalg.inv(problem.P0[np.ix_(sought, sought)] / np.outer(unit, unit))
+    inverse += information / found.dispersion
+    scale = np.outer(unit, unit)[:count, :count]
+    expected = np.linalg.inv(inverse)[:count, :count] * scale
     np.testing.assert_allclose(found.covariance / scale, expected / scale, atol=1e-6)
     assert np.linalg.eigvalsh((found.covariance - plain.covariance) / scale).min() > -1e-9
     assert (found.variance >= plain.variance * (1.0 - 1e-9)).all()
@@ -124,3 +128,20 @@ def test_a_state_gets_of_the_constants_what_it_depends_on_them():
     x0, P0 = one._replace(moved=np.array([0.1])).held(np.array([1.0, 2.0]), free)
     np.testing.assert_allclose(x0, [1.2, 2.1])
     np.testing.assert_allclose(P0, held, atol=1e-12)
+
+
+def test_what_was_known_of_the_first_angles_counts_in_full():
+    """However little readings count, angles that were given and gravity still say how sensors are turned."""
+    problem = linearised(load_arm("dd-arm-vertical"), "mountings")
+    angles = 3 * np.arange(problem.n_joint)
+    problem.P0[angles, :], problem.P0[:, angles] = 0.0, 0.0
+    noise = 0.1 * np.random.default_rng(0).standard_normal(problem.course.readings.shape)
+    noisy = problem._replace(course=problem.course._replace(readings=problem.course.readings + noise))
+    exact = consider(noisy, 1e-3)
+    assert exact.dispersion > 100.0
+    P0 = problem.P0.copy()
+    P0[angles, angles] = 1e-3**2
+    given = consider(noisy._replace(P0=P0), 1e-3)
+    np.testing.assert_allclose(np.diag(given.covariance), np.diag(exact.covariance), rtol=0.05)
+    unit = np.sqrt(np.diag(P0)[given.columns])
+    np.testing.assert_allclose(given.moved / unit, exact.moved / unit, atol=0.02)
