@@ -13,7 +13,13 @@ from scipy.spatial.transform import Rotation
 from arm.model import Floats
 from fitter.functional.rigid_fit import fit_poses
 from fitter.limb.limb_trials import LimbTrials
+from limbcal.errors import NotIdentifiable
 from limbcal.note import Note
+
+#: The reach of a very tall person, and a marker beyond its end, against the mean person's: assumed.
+_LONGER = 1.5
+#: Quantiles of places between which a marker goes, without frames in which it leaps.
+_SURE = (0.01, 0.99)
 
 
 @dataclass(frozen=True)
@@ -60,6 +66,39 @@ def base_motion(trials: LimbTrials, segment: str) -> BaseMotion:
         "moves with them and is taken to keep its orientation in the world"
     )
     return BaseMotion(segment, markers, points, R, p, (Note("base_orientation", text, columns=markers),))
+
+
+def require_standing(trials: LimbTrials, base: BaseMotion, wanted: str, first: str, reach_m: float) -> None:
+    """Refuse a base without markers whose limb goes farther than it reaches from where that stands.
+
+    Parameters
+    ----------
+    trials : LimbTrials
+    base : BaseMotion
+    wanted : str
+        The segment that carries the base.
+    first : str
+        The segment that hangs on it.
+    reach_m : float
+        How far its end is from the base, about.
+
+    Raises
+    ------
+    NotIdentifiable
+        If it does.
+    """
+    if base.segment is not None:
+        return
+    for marker in trials.segments.get(first, ()):
+        y = trials.of(marker)
+        seen = y[np.isfinite(y[:, 0])]
+        goes = float(np.max(np.diff(np.quantile(seen, _SURE, axis=0), axis=0), initial=0.0)) if len(seen) else 0.0
+        if goes > 2.0 * _LONGER * reach_m:
+            raise NotIdentifiable(
+                f"no marker of {wanted} is in the recordings, and {marker} on {first} goes {goes:.1f} m, farther "
+                f"than where {wanted} stands still: expected markers of {wanted}, by the names that the marker "
+                "set has or in a marker set of your own"
+            )
 
 
 def poses_of(points_m: Floats, measured_m: Floats) -> tuple[Floats, Floats]:

@@ -14,7 +14,7 @@ from arm.marker_kinematics import Integers
 from arm.model import Arm, Body
 from fitter.functional.disjoint import coverage_factor, disjoint_parts
 from fitter.functional.marker_set import MarkerSet
-from fitter.limb.base_motion import base_motion
+from fitter.limb.base_motion import base_motion, require_standing
 from fitter.limb.base_orientation import away_from_lock, base_orientation
 from fitter.limb.bundle import Prior, Task, fit_bundle
 from fitter.limb.centres import joint_centres
@@ -89,6 +89,9 @@ def calibrate(
     where = limb_map(preset, arm.n_joint)
     trials = limb_trials(recordings, marker_set, where)
     base = base_motion(trials, where.base)
+    first = next(s for s in where.parts if s.startswith(("upper_arm", "thigh")))
+    reach = sum(abs(joint.a_m) + abs(joint.d_m) for joint in arm.joints[: where.balls[0] + 3])
+    require_standing(trials, base, where.base, first, reach)
     axes, base_notes = base_orientation(trials, base, where.side)
     centres, functional, centre_notes = joint_centres(trials, where)
     begin = initial_geometry(arm, where, trials, base, axes, centres, person.height_m)
