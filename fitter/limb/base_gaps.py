@@ -49,9 +49,9 @@ def carried_along(y: Floats, known: NDArray[np.bool_], p: Floats) -> Floats:
         if len(both):
             away = [np.interp(frames, both, (y[both, m] - p[both])[:, axis]) for axis in range(3)]
             guesses[:, m] = y[:, m] - np.column_stack(away)
-    told = ~known & np.isfinite(guesses[..., 0]).any(axis=1)
+    is_estimated = ~known & np.isfinite(guesses[..., 0]).any(axis=1)
     found = np.where(known[:, None], p, np.nan)
-    found[told] = nan_median(guesses[told].transpose(1, 0, 2))
+    found[is_estimated] = nan_median(guesses[is_estimated].transpose(1, 0, 2))
     there = np.flatnonzero(np.isfinite(found[:, 0]))
     return np.column_stack([np.interp(frames, there, found[there, axis]) for axis in range(3)])
 

@@ -40,8 +40,6 @@ class Pulse:
         summed over all places in its trial.
     unseen_s : (float, float) [s]
         For how long nothing is known about its start and its end: they lie somewhere there. 0 where they are seen.
-    form_std : (float, float, float)
-        Standard errors of start, duration and torque by which form it has.
     """
 
     trial: int
@@ -57,7 +55,6 @@ class Pulse:
     log_likelihood_ratio: float
     evidence: float
     unseen_s: tuple[float, float] = (0.0, 0.0)
-    form_std: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @property
     def impulse(self) -> float:
@@ -178,7 +175,6 @@ def either(forms: Sequence[Pulse]) -> Pulse:
     )
     return replace(
         one,
-        form_std=(start, lasting, torque),
         start_std=float(np.hypot(one.start_std, start)),
         duration_std=float(np.hypot(one.duration_std, lasting)),
         torque_std=float(np.hypot(one.torque_std, torque)),
