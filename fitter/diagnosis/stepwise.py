@@ -196,21 +196,27 @@ class Stepwise:
         """Return a model with further causes, without those that they make needless.
 
         None if under its own weights their evidence is too small or they do not help on unfitted trials, or if any
-        cause's size is unknown. What the causes before them leave of unfitted trials, because the learning trials
-        hardly tell their numbers, is no cause: there must be evidence as well if all trials are fitted.
+        cause's size is unknown.
         """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._log_evidence(fit, smaller)
-        if own < ODDS_NATS or not fit.helps(smaller):
+        if own < ODDS_NATS or not fit.helps(smaller) or not self._is_evident_everywhere(fit, smaller):
             return None
-        if steps and not np.all(fit.learnt):
-            both = self._likelihood.everywhere(fit), self._likelihood.everywhere(smaller)
-            if self._log_evidence(*both) < ODDS_NATS:
-                return None
         found = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
         return found if self._likelihood.is_significant(found[0]) else None
+
+    def _is_evident_everywhere(self, fit: Fit, smaller: Fit) -> bool:
+        """Say whether what a model has more has the evidence of a cause where both are fitted to all trials, too.
+
+        What a smaller model leaves of unfitted trials, because the learning trials hardly tell its numbers, is no
+        cause; nor is what an event's model leaves less of them, because it is fitted to all trials.
+        """
+        if np.all(fit.learnt):
+            return True
+        both = self._likelihood.everywhere(fit), self._likelihood.everywhere(smaller)
+        return self._log_evidence(*both) >= ODDS_NATS
 
     def _best(self, fit: Fit, steps: list[Step], options: tuple[Fit, ...]) -> tuple[Fit, list[Step]] | None:
         """Return the likeliest model of sufficient evidence under its own weights, with the steps to it."""

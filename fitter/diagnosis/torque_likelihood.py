@@ -107,11 +107,16 @@ class TorqueLikelihood:
     def is_significant(self, fit: Fit) -> bool:
         """Say whether the sizes of all effects differ from none, and can be: under other weights they may not.
 
-        Two effects that cancel each other imitate a third.
+        Two effects that cancel each other imitate a third. Of what is not linear in any number the evidence says
+        so: how far psi is from nothing in standard errors depends on how it is written (Wald's test is not
+        invariant), and its slope far from nothing on what other trials miss there. It has to be determined.
         """
         candidate = fit.candidate
+        covariance = estimates(self.regression, candidate).covariance
+        determined = candidate.model.at(np.diag(covariance)[len(candidate.x) :]).psi
+        tests = zip(candidate.model.hypotheses, significant(candidate, covariance), determined, strict=True)
         return is_possible(candidate) and all(
-            significant(candidate, estimates(self.regression, candidate).covariance)
+            differs if one.n_column else bool(np.all(np.isfinite(psi))) for one, differs, psi in tests
         )
 
     def joined(self, fit: Fit, options: Sequence[Fit]) -> Fit | None:

@@ -5,7 +5,8 @@ In state space, with a step h between rows (mathematics.md, "The missing torque 
     r_k = x_k + o_k + sum_i s_ik g_ik + (v_k+1 - 2 v_k + v_k-1) / h^2 + w_k                                   (m.1)
 
 x is an Ornstein-Uhlenbeck process, o a damped oscillator driven by white noise, g_i are errors in proportion to
-given signals s_i, v is the noise of the angles times the inertia and w is white. The standardised
+given signals s_i, v is the noise of the angles times the inertia and w is white: the sensors', the model's, that
+of friction where the joint turns back, and that of contacts where its torque changes its sign. The standardised
 innovations follow Student's distribution.
 """
 
@@ -24,7 +25,7 @@ from limbcal.compiled import compiled
 #: What lasts longer is no pulse but a bias or a load [s]. Errors in proportion to a signal do: they imitate none.
 LONGEST_PULSE_S = 1.0
 #: Numbers of a background that no signal adds.
-_N_SINGLE = 8
+_N_SINGLE = 9
 #: States that are the angle's noise, the last ones.
 _N_ANGLE = 3
 
@@ -50,6 +51,8 @@ class Rows:
         Of the joint, if it rests.
     turning : (n,)
         For which part of a row it turns back, 0 to 1.
+    reversing : (n,)
+        For which part of a row its torque changes its sign, 0 to 1.
     """
 
     t: Floats
@@ -62,6 +65,7 @@ class Rows:
     angle_noise: float
     friction: Floats
     turning: Floats
+    reversing: Floats
 
     @property
     def friction_error(self) -> Floats:
@@ -92,6 +96,8 @@ class Background:
         White noise, and noise of the angles times the inertia, beyond the sensors'.
     degrees_of_freedom : float
         Of Student's distribution of the standardised innovations.
+    contact : float [N m]
+        Standard deviation of what is missed where the torque changes its sign: a transmission with play strikes.
     """
 
     std: float
@@ -104,12 +110,13 @@ class Background:
     white: float
     angle: float
     degrees_of_freedom: float
+    contact: float
 
     @property
     def numbers(self) -> Floats:
-        """All of them, those that signals add last, (8 + 2 n_signal,)."""
+        """All of them, those that signals add last, (9 + 2 n_signal,)."""
         single = [self.std, self.time_constant_s, self.ringing, self.ringing_rad_s, self.damping_ratio]
-        single += [self.white, self.angle, self.degrees_of_freedom]
+        single += [self.white, self.angle, self.degrees_of_freedom, self.contact]
         return np.concatenate([single, self.in_proportion, self.proportion_s])
 
     @classmethod
@@ -117,19 +124,23 @@ class Background:
         """Return the background of such numbers."""
         n_signal = (len(numbers) - _N_SINGLE) // 2
         single = map(float, numbers[:_N_SINGLE])
-        std, time_constant_s, ringing, ringing_rad_s, damping_ratio, white, angle, nu = single
+        std, time_constant_s, ringing, ringing_rad_s, damping_ratio, white, angle, nu, contact = single
         in_proportion, proportion_s = numbers[_N_SINGLE : _N_SINGLE + n_signal], numbers[_N_SINGLE + n_signal :]
         ringings = ringing, ringing_rad_s, damping_ratio
-        return cls(std, time_constant_s, *ringings, in_proportion, proportion_s, white, angle, nu)
+        return cls(std, time_constant_s, *ringings, in_proportion, proportion_s, white, angle, nu, contact)
 
     def filtered(self, rows: Rows) -> Filter:
         """Return the filter of a trial whose rows have no outliers: its gains do not depend on the residual."""
         noises = rows.step_s, rows.torque_noise, rows.angle_noise
         F, P, Q, C, white = _state_space(self.numbers, rows.signals, *noises)
-        variance = white + rows.friction_error**2
+        variance = white + self.uneven_variance(rows)
         return Filter(
             F, Q, P, C, variance, *gains(F, Q, P, C, variance, rows.known, len(F) - _N_ANGLE), rows.known
         )
+
+    def uneven_variance(self, rows: Rows) -> Floats:
+        """Return the variance of the white noise that only some rows have, (n,) [N^2 m^2]."""
+        return np.asarray(rows.friction_error**2 + (self.contact * rows.reversing) ** 2)
 
     def mean_log_density(self, rows: Rows, block_s: float) -> Floats:
         """Return the mean log density of a row, in each row's block of some length, (n,); NaN if none is known."""
@@ -182,11 +193,11 @@ def _log_density(
     h: float,
     torque_noise: float,
     angle_noise: float,
-    friction_error: Floats,
+    uneven_variance: Floats,
 ) -> float:
     """Return the logarithm of Student's density of a trial's innovations, but for its constant."""
     F, P, Q, C, white = _state_space(numbers, signals, h, torque_noise, angle_noise)
-    gain, S, new_gain, new_ratio = gains(F, Q, P, C, white + friction_error**2, known, len(F) - _N_ANGLE)
+    gain, S, new_gain, new_ratio = gains(F, Q, P, C, white + uneven_variance, known, len(F) - _N_ANGLE)
     e, total, nu = np.zeros(len(r)), 0.0, numbers[7]
     weighted_innovations(F, C, gain, new_gain, new_ratio, S, known, r, nu, e, np.empty_like(gain))
     for k in range(len(r)):
@@ -201,7 +212,7 @@ def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
     constant = gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
     total = constant * sum(int(np.count_nonzero(rows.known)) for rows in trials)
     for rows in trials:
-        noises = rows.step_s, rows.torque_noise, rows.angle_noise, rows.friction_error
+        noises = rows.step_s, rows.torque_noise, rows.angle_noise, background.uneven_variance(rows)
         total += _log_density(numbers, rows.signals, rows.r, rows.known, *noises)
     return float(total)
 
@@ -245,17 +256,17 @@ def estimated(
     slow = (max(lasting[0], min(np.log(LONGEST_PULSE_S), lasting[1])), lasting[1])
     ringing = (np.log(2.0 * np.pi / longest_s), np.log(np.pi / step_s))  # up to Nyquist's frequency
     bounds = [spread, lasting, spread, ringing, tuple(np.log(damping)), spread, spread]
-    bounds += [tuple(np.log(freedom)), *[spread] * n_signal, *[slow] * n_signal]
+    bounds += [tuple(np.log(freedom)), spread, *[spread] * n_signal, *[slow] * n_signal]
     low, high = np.transpose(bounds)
     angle = scale * step_s**2 / np.sqrt(6.0)  # whose second difference is of the residual's size
-    units = np.concatenate([[scale, 1.0, scale, 1.0, 1.0, scale, angle, 1.0], unit, np.ones(n_signal)])
+    units = np.concatenate([[scale, 1.0, scale, 1.0, 1.0, scale, angle, 1.0, scale], unit, np.ones(n_signal)])
 
     def loss(x: Floats) -> float:
         return -log_likelihood(Background.of(units * np.exp(x)), trials) / max(len(sizes), 1)
 
     def begun(ringing_rad_s: float) -> Floats:
-        part = 1.0 / np.sqrt(4.0 + n_signal)  # all parts of equal variance
-        start = [part, LONGEST_PULSE_S, part, ringing_rad_s, 0.5, part, part, 4.0]
+        part = 1.0 / np.sqrt(5.0 + n_signal)  # all parts of equal variance
+        start = [part, LONGEST_PULSE_S, part, ringing_rad_s, 0.5, part, part, 4.0, part]
         start += [*[part] * n_signal, *[LONGEST_PULSE_S] * n_signal]
         if near is not None:
             start = list(np.divide(near.numbers, units, out=np.array(start), where=units > 0.0))

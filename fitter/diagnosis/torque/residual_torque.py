@@ -7,6 +7,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.torque.background import Rows
+from fitter.diagnosis.torque.neighbours import neighbours
 from fitter.dynamics.robust import HUBER_SIGMAS
 
 #: Standard deviation of a normal distribution in units of its median absolute deviation.
@@ -54,6 +55,8 @@ class ResidualTorque:
     def rows(self, joint: int) -> Rows:
         """Return one joint's residual at two rows a period of the band's corner: means of the samples between.
 
+        Where the torque of the joint or of a neighbour changes its sign, a transmission with play strikes.
+
         The model errs in proportion to a torque (a gain) and its rate (a lag). It is what the motor's torque and
         the model's have in common where the residual is an outlier: a push is in the motor's if that resists it,
         in the model's if the arm gives way, and in no case a signal.
@@ -65,9 +68,16 @@ class ResidualTorque:
         def means(samples: Floats) -> Floats:
             return np.asarray(samples[: n * m].reshape(n, m, *samples.shape[1:]).mean(axis=1))
 
+        def both(joint: int) -> tuple[Floats, Floats]:
+            """Return the motor's torque at a joint and the model's where the residual is an outlier."""
+            r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
+            return self.torque[:, joint], self.torque[:, joint] + _outlying(r, self.known[:, joint])
+
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
-        both = self.torque[:, joint], self.torque[:, joint] + _outlying(r, self.known[:, joint])
-        signals = np.stack([_common(*both), _common(*(np.gradient(one, step_s) for one in both))], axis=1)
+        own = both(joint)
+        signals = np.stack([_common(*own), _common(*(np.gradient(one, step_s) for one in own))], axis=1)
+        coupled = [joint, *neighbours(joint, self.r.shape[1])]
+        reversing = np.max([_reversing(_common(*both(one)), m) for one in coupled], axis=0)
         known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
@@ -75,6 +85,7 @@ class ResidualTorque:
             float(self.torque_noise[joint]),
             angle_noise,
             *(means(one[:, joint]) for one in (self.friction, self.turning)),
+            means(reversing),
         )
         return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
 
@@ -83,6 +94,16 @@ def _outlying(r: Floats, known: NDArray[np.bool_]) -> Floats:
     """Return by how much a residual (n,) exceeds what is no outlier, 0 where it does not."""
     most = HUBER_SIGMAS * MAD_STD * float(np.median(np.abs(r[known]))) if known.any() else 0.0
     return np.asarray(r - np.clip(r, -most, most))
+
+
+def _reversing(torque: Floats, reach: int) -> Floats:
+    """Say where a torque (n,) changes its sign, however long it is none in between, as far as a filter looks."""
+    acting = np.flatnonzero(torque)
+    changed = np.flatnonzero(np.diff(np.sign(torque[acting])))
+    where = np.zeros(len(torque) + 1)
+    np.add.at(where, np.maximum(acting[changed] - reach, 0), 1.0)
+    np.add.at(where, np.minimum(acting[changed + 1] + reach + 1, len(torque)), -1.0)
+    return np.asarray(np.cumsum(where[:-1]) > 0.0, dtype=np.float64)
 
 
 def _common(one: Floats, other: Floats) -> Floats:

@@ -1,6 +1,7 @@
 """The likelihood of the torque equation: exact where nothing is hidden, and what is hidden comes first."""
 
 from dataclasses import replace
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -118,6 +119,20 @@ def test_a_size_that_the_catalogue_forbids_is_none_that_a_search_accepts(dragged
     signs = np.where(np.arange(len(first.candidate.x)) < len(first.candidate.x) - 1, 1.0, -1.0)
     forbidden = replace(first, candidate=replace(first.candidate, x=signs * first.candidate.x))
     assert likelihood.is_significant(first) and not likelihood.is_significant(forbidden)
+
+
+@pytest.mark.parametrize(("variance", "said"), [(1e-8, True), (100.0, True), (np.nan, False)])
+def test_what_is_linear_in_no_number_has_to_be_determined(monkeypatch, dragged, ranked, variance, said):
+    """A gap that learning trials hardly told was rejected, though nothing else explained the run."""
+    likelihood, _ = dragged
+    gain = next(one for one in ranked if isinstance(one.candidate.hypothesis, Gain))
+    n = len(gain.candidate.x)
+
+    def covered(regression, candidate):
+        return SimpleNamespace(covariance=np.diag([1e-6] * n + [variance]))
+
+    monkeypatch.setattr("fitter.diagnosis.torque_likelihood.estimates", covered)
+    assert likelihood.is_significant(gain) == said
 
 
 def test_under_the_weights_of_its_cause_a_model_leaves_little_more_than_noise():

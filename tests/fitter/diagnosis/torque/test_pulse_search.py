@@ -12,7 +12,7 @@ from fitter.diagnosis.torque.pulse import without
 from fitter.diagnosis.torque.pulse_search import Search, _ratio
 from tests.fitter.diagnosis.torque.residuals import filtered_pulse, finer, trial
 
-MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0)
+MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0, 1e-9)
 LEAST_NATS = 8.0
 
 
@@ -94,7 +94,7 @@ def test_a_place_that_no_sample_of_the_trial_shows_has_no_evidence():
 @pytest.mark.parametrize(("start_s", "duration_s"), [(2.0, 0.085), (2.0, 0.09), (2.03, 0.1)])
 def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration_s):
     """Fifty standard deviations off wherever its place is not exact, it has no evidence on the grid."""
-    noise = Background(0.01, 3.0, 0.05, 0.65, 1.0, np.full(2, 1e-9), np.ones(2), 0.04, 1e-9, 3.8)
+    noise = Background(0.01, 3.0, 0.05, 0.65, 1.0, np.full(2, 1e-9), np.ones(2), 0.04, 1e-9, 3.8, 1e-9)
     part = trial(np.random.default_rng(4))
     pushed = part.r + filtered_pulse(start_s, duration_s, 4.0, "rectangular")[:, None]
     rows = finer(replace(part, r=pushed)).rows(0)
