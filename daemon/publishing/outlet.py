@@ -21,6 +21,9 @@ from protocol.plot import plot_rows, plot_step
 from protocol.publisher import Publisher
 from tracking.model.frames import Frames, Phase
 
+#: Rows of `limb/plot` that are sent together: a twentieth of a second of them, which nobody sees on a screen.
+_ROWS = 5
+
 
 class Outlet:
     """Sends motion in blocks of 10 ms, samples, and what there is to say of them.
@@ -60,6 +63,8 @@ class Outlet:
         self._learning = learning
         self._delay = delay
         self._raw_seq = 0
+        self._rows: list[dict[str, float]] = []  # of `limb/plot`, from this time on
+        self._rows_ns = 0
 
     def send_raw(self, block: RawSamples) -> None:
         """Send `limb/raw`, or have it recorded where subscribers are not to get it."""
@@ -89,6 +94,7 @@ class Outlet:
 
     def send_phase(self, phase: Phase) -> None:
         """Send `limb/trial`, after the frames that led to it."""
+        self.flush()
         role = "learn" if phase.trial <= self._learning else "evaluate"
         fields = {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
         self._send(TRIAL, {**fields, "last_seq": dict(self._publisher.last_seq)}, phase.t_ns)
@@ -101,6 +107,12 @@ class Outlet:
         """Send `limb/health`."""
         self._send(HEALTH, fields, t_ns)
 
+    def flush(self) -> None:
+        """Send the rows of `limb/plot` that wait for others."""
+        if self._rows:
+            rows, self._rows = self._rows, []
+            self._send(PLOT, {"rows": rows}, self._rows_ns)
+
     def _send_frame_blocks(self, blocks: Sequence[Frames], predicted: bool = False) -> None:
         for block in blocks:
             if not predicted and self._delay is not None:
@@ -110,8 +122,11 @@ class Outlet:
             counted = {} if announced is None else {"last_seq": {TRIAL: announced}}
             self._send(FRAMES, {**fields, **counted}, block.t0_ns)
             rows = plot_rows(fields, plot_step(block.dt_s))
-            if rows:
-                self._send(PLOT, {"rows": rows}, block.t0_ns)
+            if not self._rows:
+                self._rows_ns = block.t0_ns
+            self._rows += rows
+            if len(self._rows) >= _ROWS:
+                self.flush()
 
     def _send(self, topic: str, fields: Mapping[str, Any], t_ns: int) -> None:
         parts = self._publisher.publish(topic, fields)
