@@ -8,6 +8,7 @@ from typing import Any
 
 from daemon.monitoring.health import Delay
 from daemon.publishing.motion_blocks import (
+    Fields,
     RawSamples,
     bridge_blocks,
     frame_blocks,
@@ -17,7 +18,7 @@ from daemon.publishing.motion_blocks import (
 from daemon.reception.sample_ledger import Gap
 from daemon.recording.record_link import RecordLink
 from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
-from protocol.plot import plot_rows, plot_step
+from protocol.plot import plot_row_count, plot_rows, plot_step
 from protocol.publisher import Publisher
 from tracking.model.frames import Frames, Phase
 
@@ -63,8 +64,8 @@ class Outlet:
         self._learning = learning
         self._delay = delay
         self._raw_seq = 0
-        self._rows: list[dict[str, float]] = []  # of `limb/plot`, from this time on
-        self._rows_ns = 0
+        self._plotted: list[Fields] = []  # frames of which rows of `limb/plot` are to be sent, and how many
+        self._n_row = 0
 
     def send_raw(self, block: RawSamples) -> None:
         """Send `limb/raw`, or have it recorded where subscribers are not to get it."""
@@ -109,9 +110,10 @@ class Outlet:
 
     def flush(self) -> None:
         """Send the rows of `limb/plot` that wait for others."""
-        if self._rows:
-            rows, self._rows = self._rows, []
-            self._send(PLOT, {"rows": rows}, self._rows_ns)
+        plotted, self._plotted, self._n_row = self._plotted, [], 0
+        if plotted:
+            rows = [row for fields in plotted for row in plot_rows(fields, plot_step(fields["dt_s"]))]
+            self._send(PLOT, {"rows": rows}, plotted[0]["t0_ns"])
 
     def _send_frame_blocks(self, blocks: Sequence[Frames], predicted: bool = False) -> None:
         for block in blocks:
@@ -121,12 +123,11 @@ class Outlet:
             announced = self._publisher.last_seq.get(TRIAL)
             counted = {} if announced is None else {"last_seq": {TRIAL: announced}}
             self._send(FRAMES, {**fields, **counted}, block.t0_ns)
-            rows = plot_rows(fields, plot_step(block.dt_s))
-            if not self._rows:
-                self._rows_ns = block.t0_ns
-            self._rows += rows
-            if len(self._rows) >= _ROWS:
-                self.flush()
+            if n_row := plot_row_count(block.frame0, block.n, block.dt_s):
+                self._plotted.append(fields)
+                self._n_row += n_row
+                if self._n_row >= _ROWS:
+                    self.flush()
 
     def _send(self, topic: str, fields: Mapping[str, Any], t_ns: int) -> None:
         parts = self._publisher.publish(topic, fields)
