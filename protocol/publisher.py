@@ -10,15 +10,13 @@ import zmq
 from protocol.binding import bind
 from protocol.curve import Gate
 from protocol.message import encode
+from protocol.peers import LOOK_S
 from protocol.subscriptions import Subscriptions
 
 #: Messages kept for a subscriber that is slow; beyond that it loses its own and nobody else's.
 SEND_QUEUE = 1000
 #: How long closing waits for what was sent last to leave [ms].
 LINGER_MS = 250
-#: How often subscribers are looked at while something is published [s]: what one may do until then is bounded by
-#: what a line carries, and a look costs more than to send a block.
-_ATTEND_S = 0.02
 
 
 class Publisher:
@@ -35,7 +33,7 @@ class Publisher:
     gate : Gate, optional
         Lets in only whom it knows; needed where other machines can reach the endpoint.
     watched : bool
-        Whether subscribers are looked at from a thread of its own; otherwise 50 times a second when
+        Whether subscribers are looked at from a thread of its own; otherwise a hundred times a second when
         something is published, and by `attend`, which is to be called as often while nothing is.
 
     Attributes
@@ -112,7 +110,7 @@ class Publisher:
     def attend(self) -> None:
         """Take in what subscribers ask for, and show out who asks for too much."""
         self._subscriptions.look()
-        self._attend_s = time.monotonic() + _ATTEND_S
+        self._attend_s = time.monotonic() + LOOK_S
 
     @property
     def socket(self) -> "zmq.Socket[bytes]":

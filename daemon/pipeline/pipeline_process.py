@@ -159,10 +159,9 @@ def _stream(line: ControlLine, ring: Ring, pipeline: Pipeline, publisher: Publis
     asked_s, announced = 0.0, False
     looks = Looks()
     while True:
+        publisher.attend()  # also where no samples come
         closed = ring.closed  # asked before reading: what was written before the close is then in it
         chunks = ring.read()
-        if not chunks:  # where samples come it is attended as motion is published
-            publisher.attend()
         now_s = time.monotonic()
         pipeline.accept(chunks, ring.dropped_chunks)
         if pipeline.streaming and not announced:
