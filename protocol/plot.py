@@ -43,6 +43,11 @@ def plot_rows(motion: Mapping[str, Any], step: int) -> list[dict[str, float]]:
     return rows
 
 
+def plot_row_count(frame0: int, n: int, dt_s: float) -> int:
+    """Return how many rows `plot_rows` makes of a block: frames from number ``frame0`` on, n of them."""
+    return len(range(-frame0 % (step := plot_step(dt_s)), n, step))
+
+
 @cache
 def _columns(n_joint: int, *signals: str) -> list[str]:
     """Return what the values of a row are called."""

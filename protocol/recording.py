@@ -12,9 +12,9 @@ from pathlib import Path
 from types import TracebackType
 
 from mcap.well_known import SchemaEncoding
-from mcap.writer import CompressionType, Writer
 
 from limbcal.errors import DeviceError, ProtocolError
+from protocol.mcap_writer import McapWriter
 from protocol.recorded_json import JSON_ENCODING, JSON_TOPICS, json_messages, recorded_schema
 from protocol.schemas import schema_json
 
@@ -64,14 +64,13 @@ class RecordingWriter:
         self._channels: dict[tuple[str, str], int] = {}
         self._sequences: dict[str, int] = {}
         self._finished = False
-        self.unsafe = 0
+        self.unsafe = self._safe_bytes = 0
         with self._disk():
             self._file = self.path.open("xb")
-        self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
         with self._disk():
-            self._writer.start(profile="limbcal")
+            self._writer = McapWriter(self._file, CHUNK_BYTES, "limbcal")
             for name, text in ((ARM_ATTACHMENT, arm_toml), (CONFIG_ATTACHMENT, config_toml)):
-                self._writer.add_attachment(0, 0, name, "application/toml", text.encode())
+                self._writer.attach(name, "application/toml", text.encode())
             self._sync()
             _sync_directory(self.path.parent)
         self._flushed_s = self._synced_s = clock()
@@ -97,6 +96,14 @@ class RecordingWriter:
         self._finished = True
         with suppress(OSError):
             self._file.close()
+
+    def _take_back(self) -> None:
+        """Close the file without what may be in it of unsafe messages: they go into another one, and not twice."""
+        descriptor = os.dup(self._file.fileno())
+        self.abandon()  # which tries to write its buffer
+        with suppress(OSError):
+            os.ftruncate(descriptor, self._safe_bytes)
+        os.close(descriptor)
 
     def write(self, topic: str, payload: bytes, t_ns: int) -> None:
         """Add a message.
@@ -128,21 +135,23 @@ class RecordingWriter:
 
     def _add(self, topic: str, found: Sequence[tuple[bytes, int, str]]) -> None:
         """Add what is recorded of one message: data, time and encoding of each."""
-        with self._disk():
+        try:
             for data, t_ns, encoding in found:
                 if not 0 <= t_ns < 1 << 64:
                     raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
                 channel = self._channels.get((topic, encoding)) or self._channel(topic, data, encoding)
                 sequence = self._sequences.get(topic, 0)
-                self._writer.add_message(channel, t_ns, data, t_ns, sequence % (1 << 32))
+                self._writer.add(channel, t_ns, data, sequence % (1 << 32))
                 self._sequences[topic] = sequence + 1
             self.unsafe += 1
             self._flush_if_due()
+        except OSError as error:
+            raise self._failed(error) from error
 
     def _channel(self, topic: str, data: bytes, encoding: str) -> int:
         text = recorded_schema(topic, data) if encoding == JSON_ENCODING else schema_json(topic)
-        schema = self._writer.register_schema(topic, SchemaEncoding.JSONSchema, text)
-        channel = self._channels[topic, encoding] = self._writer.register_channel(topic, encoding, schema)
+        channel = self._writer.channel(topic, encoding, SchemaEncoding.JSONSchema, text)
+        self._channels[topic, encoding] = channel
         return channel
 
     def poll(self) -> None:
@@ -156,8 +165,8 @@ class RecordingWriter:
             self._sync()
             self._flushed_s = self._synced_s = now
         elif now - self._flushed_s >= FLUSH_PERIOD_S:
-            self._writer.flush()  # type: ignore[no-untyped-call]
-            self._flushed_s, self.unsafe = now, 0
+            self._flush()
+            self._flushed_s = now
 
     def close(self) -> None:
         """Write the index, make the disk have it all and close the file; harmless when repeated."""
@@ -165,9 +174,9 @@ class RecordingWriter:
             return
         self._finished = True
         with self._disk():
-            self._writer.finish()  # type: ignore[no-untyped-call]
+            self._writer.finish()
             self._file.flush()
-            self.unsafe = 0
+            self.unsafe, self._safe_bytes = 0, self._file.tell()
             os.fsync(self._file.fileno())
             self._file.close()
 
@@ -179,9 +188,12 @@ class RecordingWriter:
     ) -> None:
         self.close()
 
+    def _flush(self) -> None:
+        self._writer.flush()
+        self.unsafe, self._safe_bytes = 0, self._file.tell()
+
     def _sync(self) -> None:
-        self._writer.flush()  # type: ignore[no-untyped-call]
-        self.unsafe = 0
+        self._flush()
         os.fsync(self._file.fileno())
 
     @contextmanager
@@ -192,10 +204,13 @@ class RecordingWriter:
         except FileExistsError as error:
             raise DeviceError(f"recording {self.path} exists already, expected a new file") from error
         except OSError as error:
-            self._finished = True
-            if hasattr(self, "_file"):  # its buffer cannot be written out either
-                self.abandon()
-            raise DeviceError(f"recording {self.path} cannot be written: {error.strerror}") from error
+            raise self._failed(error) from error
+
+    def _failed(self, error: OSError) -> DeviceError:
+        self._finished = True
+        if hasattr(self, "_file"):
+            self._take_back()
+        return DeviceError(f"recording {self.path} cannot be written: {error.strerror}")
 
 
 def _sync_directory(directory: Path) -> None:

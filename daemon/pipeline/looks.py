@@ -8,12 +8,13 @@ from collections.abc import Sequence
 
 from daemon.acquisition.ring import Chunk
 
-#: How long the ring may gather between two looks [ns]: what the reader, which gathers for 6 ms, reads in two
-#: turns. So what it has read waits for the next of its turns, and no longer.
-_GATHER_NS = 13_500_000
+#: How long the ring may gather between two looks [ns]: what the reader, which gathers for 6 ms, reads in four
+#: turns, two or three blocks. To wake costs a look as much as two blocks do: what it works with is in no cache any
+#: more.
+_GATHER_NS = 26_500_000
 #: How long a look waits at the most for a reader whose turns are longer [ns]: USB converters bring bytes every
-#: 16 ms.
-_LONGEST_NS = 20_000_000
+#: 16 ms, or now and then after twice as long.
+_LONGEST_NS = 32_000_000
 #: How long it waits for one that is late, or was never seen [ns]: a block's length.
 _IDLE_NS = 10_000_000
 #: A look comes so long after the reader is due [ns]: a sleep on a machine that is not busy is as exact.

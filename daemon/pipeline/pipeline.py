@@ -136,11 +136,13 @@ class Pipeline:
         for block in self._blocks.flush():
             self._track(block)
         self._send(*self._tracker.flush())
+        self._outlet.flush()
         if self._link is not None:
             self._link.flush()
 
     def report(self, connected: bool) -> dict[str, object]:
         """Send `limb/health`; return it, and words for the person at the terminal."""
+        self._outlet.flush()  # `last_seq` counts what it sends
         if self._link is not None:
             self._link.check()
         jump = self._reception.host.look()

@@ -8,6 +8,7 @@ from typing import Any
 
 from daemon.monitoring.health import Delay
 from daemon.publishing.motion_blocks import (
+    Fields,
     RawSamples,
     bridge_blocks,
     frame_blocks,
@@ -17,9 +18,12 @@ from daemon.publishing.motion_blocks import (
 from daemon.reception.sample_ledger import Gap
 from daemon.recording.record_link import RecordLink
 from protocol.message import FRAMES, GAP, HEALTH, PLOT, RAW, TRIAL, encode
-from protocol.plot import plot_rows, plot_step
+from protocol.plot import plot_row_count, plot_rows, plot_step
 from protocol.publisher import Publisher
 from tracking.model.frames import Frames, Phase
+
+#: Rows of `limb/plot` that are sent together: a twentieth of a second of them, which nobody sees on a screen.
+_ROWS = 5
 
 
 class Outlet:
@@ -60,6 +64,8 @@ class Outlet:
         self._learning = learning
         self._delay = delay
         self._raw_seq = 0
+        self._plotted: list[Fields] = []  # frames of which rows of `limb/plot` are to be sent, and how many
+        self._n_row = 0
 
     def send_raw(self, block: RawSamples) -> None:
         """Send `limb/raw`, or have it recorded where subscribers are not to get it."""
@@ -89,6 +95,7 @@ class Outlet:
 
     def send_phase(self, phase: Phase) -> None:
         """Send `limb/trial`, after the frames that led to it."""
+        self.flush()
         role = "learn" if phase.trial <= self._learning else "evaluate"
         fields = {"trial": phase.trial, "t_ns": phase.t_ns, "state": phase.kind, "role": role}
         self._send(TRIAL, {**fields, "last_seq": dict(self._publisher.last_seq)}, phase.t_ns)
@@ -101,6 +108,13 @@ class Outlet:
         """Send `limb/health`."""
         self._send(HEALTH, fields, t_ns)
 
+    def flush(self) -> None:
+        """Send the rows of `limb/plot` that wait for others."""
+        plotted, self._plotted, self._n_row = self._plotted, [], 0
+        if plotted:
+            rows = [row for fields in plotted for row in plot_rows(fields, plot_step(fields["dt_s"]))]
+            self._send(PLOT, {"rows": rows}, plotted[0]["t0_ns"])
+
     def _send_frame_blocks(self, blocks: Sequence[Frames], predicted: bool = False) -> None:
         for block in blocks:
             if not predicted and self._delay is not None:
@@ -109,9 +123,11 @@ class Outlet:
             announced = self._publisher.last_seq.get(TRIAL)
             counted = {} if announced is None else {"last_seq": {TRIAL: announced}}
             self._send(FRAMES, {**fields, **counted}, block.t0_ns)
-            rows = plot_rows(fields, plot_step(block.dt_s))
-            if rows:
-                self._send(PLOT, {"rows": rows}, block.t0_ns)
+            if n_row := plot_row_count(block.frame0, block.n, block.dt_s):
+                self._plotted.append(fields)
+                self._n_row += n_row
+                if self._n_row >= _ROWS:
+                    self.flush()
 
     def _send(self, topic: str, fields: Mapping[str, Any], t_ns: int) -> None:
         parts = self._publisher.publish(topic, fields)

@@ -1,4 +1,7 @@
-"""What single channels give away about their sensor: readings at the end of the range, and none that move."""
+"""What single channels read, and what they give away about their sensor.
+
+That are readings at the end of the range, and none that move. Each count is looked at once for all of it.
+"""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -42,7 +45,9 @@ class Reading:
 
 
 class ChannelWatch:
-    """Counts, per channel, the samples at full scale and those in which the reading had long stood still.
+    """Turns counts into what they are, and looks after each channel.
+
+    It counts the samples at full scale, and those in which the reading had long stood still.
 
     A reading that stands still to the last count is a broken channel, not an arm at rest: that one shows noise.
 
@@ -54,6 +59,9 @@ class ChannelWatch:
     def __init__(self, channels: Sequence[Channel], rate_hz: float) -> None:
         self.saturated = np.zeros(len(channels), dtype=np.int64)
         self.flat = np.zeros(len(channels), dtype=np.int64)
+        self._scale, self._offset = (
+            np.array([getattr(c, name) for c in channels], dtype=np.float64) for name in ("scale", "offset")
+        )
         limits = np.iinfo(np.int16)
         reach = np.array([(-c.full_scale - c.offset, c.full_scale - c.offset) for c in channels])
         ends = np.sort(reach / np.array([[c.scale] for c in channels]), axis=1)
@@ -63,17 +71,16 @@ class ChannelWatch:
         self._flat_samples = max(round(_FLAT_S * rate_hz), _FLAT_SAMPLES)
         self._last = np.zeros(len(channels), dtype=np.int16)
         self._still = np.zeros(len(channels), dtype=np.int64)
-        self._scale, self._offset = (
-            np.array([getattr(c, name) for c in channels]) for name in ("scale", "offset")
-        )
         self._clear()
         self.watch(np.empty((0, len(channels)), dtype=np.int16))  # no sample is to wait for a compiler
 
-    def watch(self, counts: Counts) -> None:
-        """Take the next samples, (n_sample, n_channel)."""
-        n = len(counts)
-        _tally(
+    def watch(self, counts: Counts) -> Floats:
+        """Take the next samples, (n_sample, n_channel); return what they are, in m/s^2."""
+        n, a = len(counts), np.empty(counts.shape)
+        _take_in(
             counts,
+            self._scale,
+            self._offset,
             self._low,
             self._high,
             self._flat_samples,
@@ -83,9 +90,11 @@ class ChannelWatch:
             self.saturated,
             self._clipped,
             self.flat,
+            a,
         )
         self._n += n
         self._bends += max(n - 2, 0)
+        return a
 
     def take(self) -> Reading:
         """Return what the channels read since the last time.
@@ -117,8 +126,10 @@ class ChannelWatch:
 
 
 @compiled
-def _tally(
+def _take_in(
     counts: Counts,
+    scale: Floats,
+    offset: Floats,
     low: Counts,
     high: Counts,
     flat_samples: int,
@@ -128,24 +139,26 @@ def _tally(
     saturated: Counted,
     clipped: Counted,
     flat: Counted,
+    a: Floats,
 ) -> None:
-    """Add samples to the sums of counts, their squares and those of their second differences, and to the rest."""
+    """Fill in what counts are, and add them, their squares, those of their second differences, and the rest."""
     n = counts.shape[0]
     if n == 0:
         return
     for c in range(counts.shape[1]):
-        was, lowest, highest = last[c], low[c], high[c]
-        total = squares = bends = beyond = at_ends = changes = 0
+        was, lowest, highest, unit, zero = last[c], low[c], high[c], scale[c], offset[c]
+        total = squares = bends = beyond = at_ends = changes = one = two = 0
         for k in range(n):
             count = int(counts[k, c])
+            a[k, c] = unit * count + zero
             changes += count != was
-            beyond += count <= lowest or count >= highest
-            at_ends += count <= _LEAST or count >= _MOST
+            beyond += (count <= lowest) | (count >= highest)
+            at_ends += (count <= _LEAST) | (count >= _MOST)
             total += count
             squares += count * count
-            if k >= 2:
-                bend = count - 2 * int(counts[k - 1, c]) + int(counts[k - 2, c])
-                bends += bend * bend
+            bend = count - 2 * one + two if k >= 2 else 0
+            bends += bend * bend
+            one, two = count, one
         sums[0, c] += total
         sums[1, c] += squares
         sums[2, c] += bends

@@ -9,8 +9,6 @@ import numpy as np
 from arm.model import Floats
 from daemon.clock.device_clock import Clock
 from daemon.reception.channel_watch import ChannelWatch, Counts
-from limbcal.compiled import compiled
-from protocol.device_info import Channel
 
 
 class StepTimes(Protocol):
@@ -75,41 +73,15 @@ class CountRun:
         return self.counts[0] if len(self.counts) == 1 else np.concatenate(self.counts)
 
 
-class Conversion:
-    """Turns counts into accelerations.
-
-    Parameters
-    ----------
-    channels : sequence of Channel
-    """
-
-    def __init__(self, channels: Sequence[Channel]) -> None:
-        self._scale = np.array([channel.scale for channel in channels])
-        self._offset = np.array([channel.offset for channel in channels])
-        self.accelerations(np.empty((0, len(channels)), dtype=np.int16))  # no sample is to wait for a compiler
-
-    def run(self, counted: CountRun, counts: Counts) -> Run:
-        """Return the run of what was counted."""
-        return Run(counted.lost, counted.sample0, counted.times, self.accelerations(counts))
-
-    def accelerations(self, counts: Counts) -> Floats:
-        """Return what counts are [m/s^2]."""
-        a = np.empty(counts.shape)
-        _accelerations(counts, self._scale, self._offset, a)
-        return a
-
-
 class CountedRuns:
-    """Gathers the counts of frames into runs, has them watched and turns them into accelerations.
+    """Gathers the counts of frames into runs, and has them watched and turned into accelerations.
 
     Parameters
     ----------
-    channels : sequence of Channel
     watch : ChannelWatch
     """
 
-    def __init__(self, channels: Sequence[Channel], watch: ChannelWatch) -> None:
-        self._conversion = Conversion(channels)
+    def __init__(self, watch: ChannelWatch) -> None:
         self._watch = watch
         self._counted: list[CountRun] = []
 
@@ -123,16 +95,4 @@ class CountedRuns:
     def take(self) -> list[Run]:
         """Return the runs since the last time."""
         counted, self._counted = self._counted, []
-        runs = []
-        for one in counted:
-            counts = one.joined()
-            self._watch.watch(counts)
-            runs.append(self._conversion.run(one, counts))
-        return runs
-
-
-@compiled
-def _accelerations(counts: Counts, scale: Floats, offset: Floats, a: Floats) -> None:
-    for k in range(counts.shape[0]):
-        for c in range(counts.shape[1]):
-            a[k, c] = scale[c] * counts[k, c] + offset[c]
+        return [Run(one.lost, one.sample0, one.times, self._watch.watch(one.joined())) for one in counted]

@@ -67,7 +67,7 @@ class TimedSamples:
         self.clock: Clock | None = None
         self._info, self._losses, self._host, self._new_clock = info, losses, host, new_clock
         self._steps, self._known_gap = steps or self.rate, known_gap or (lambda _: None)
-        self._counted = CountedRuns(info.channels, self.watch)
+        self._counted = CountedRuns(self.watch)
         self._new_gaps: list[Gap] = []
 
     def take(self) -> list[Run]:

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from protocol.plot import plot_rows, plot_step
+from protocol.plot import plot_row_count, plot_rows, plot_step
 
 DT_S, T0_NS = 0.002, 1_700_000_000_000_000_000
 
@@ -37,7 +37,8 @@ def test_what_the_tracker_claims_is_there_where_it_claims_it() -> None:
 def test_however_it_is_cut_the_same_frames_are_rows(sizes: list[int], step: int) -> None:
     rows, begin = [], 0
     for size in sizes:
-        rows += plot_rows(block(begin, size), step)
+        rows += (these := plot_rows(block(begin, size), step))
+        assert len(these) == plot_row_count(begin, size, 0.01 / step)
         begin += size
     assert [row["q1"] for row in rows] == list(range(0, begin, step))
     assert [row["ts"] for row in rows] == pytest.approx([T0_NS / 1e9 + DT_S * k for k in range(0, begin, step)])

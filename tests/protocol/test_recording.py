@@ -294,3 +294,19 @@ def test_messages_are_numbered_topic_by_topic(path, clock):
         attached = [(one.name, one.create_time, one.log_time) for one in make_reader(file).iter_attachments()]
     assert sorted(found) == [(FRAMES, 0, 7), (FRAMES, 1, 7), (FRAMES, 2, 7), (RAW, 0, 7), (RAW, 1, 7)]
     assert attached == [("arm.toml", 0, 0), ("limbd.toml", 0, 0)]
+
+
+@pytest.mark.parametrize("room", range(20_000, 26_000, 300))
+def test_a_disk_that_is_full_within_a_chunk_leaves_none_of_it(path, clock, room):
+    """What had not safely left is written to another file, and would be in both."""
+    before = resource.getrlimit(resource.RLIMIT_FSIZE)
+    writer = RecordingWriter(path, "", "", clock=clock)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (room, before[1]))
+    written = 0
+    try:
+        with pytest.raises(DeviceError, match="cannot be written"):
+            for written in range(10**4):
+                fill(writer, clock, 1, written, 2)
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, before)
+    assert numbers(path) == list(range(written - writer.unsafe + 1))

@@ -85,12 +85,23 @@ def test_frames_before_a_phase_are_sent_before_it(room: Room) -> None:
         room.outlet.send_phase(Phase("begin", 13_000_000, trial))
     room.outlet.send_frames([frames(14, 3)])
     entries = room.recorded()
-    assert [entry.topic for entry in entries] == [FRAMES, PLOT, FRAMES, PLOT, TRIAL, TRIAL, FRAMES]
+    assert [entry.topic for entry in entries] == [FRAMES, FRAMES, PLOT, TRIAL, TRIAL, FRAMES]
     counts = [decode([b"", entry.payload])[1].get("last_seq") for entry in entries if entry.topic == FRAMES]
     assert counts == [None, None, {TRIAL: 1}]
     first, second = (decode([b"", entry.payload])[1] for entry in entries if entry.topic == TRIAL)
     assert (first["role"], second["role"]) == ("learn", "evaluate")
-    assert first["last_seq"] == {FRAMES: 1, PLOT: 1} and second["last_seq"] == {FRAMES: 1, PLOT: 1, TRIAL: 0}
+    assert first["last_seq"] == {FRAMES: 1, PLOT: 0} and second["last_seq"] == {FRAMES: 1, PLOT: 0, TRIAL: 0}
+
+
+def test_rows_to_plot_are_sent_five_at_a_time_and_what_is_left_when_asked(room: Room) -> None:
+    room.outlet.send_frames([frames(0, 120)])
+    room.outlet.flush()
+    room.outlet.flush()
+    entries = [entry for entry in room.recorded() if entry.topic == PLOT]
+    rows = [[row["ts"] for row in decode([PLOT.encode(), entry.payload])[1]["rows"]] for entry in entries]
+    assert [len(one) for one in rows] == [5, 5, 2]
+    assert np.concatenate(rows) == pytest.approx(0.01 * np.arange(12))
+    assert [entry.t_ns for entry in entries] == [0, 50_000_000, 100_000_000]
 
 
 def test_what_bridges_a_gap_is_marked_and_has_no_delay(room: Room) -> None:
@@ -111,7 +122,7 @@ def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:
     room.inlet.tell(None)
     while room.link.recording is not None:
         room.link.check()
-    assert len(room.recorded()) == 2
+    assert len(room.recorded()) == 1
 
 
 def test_what_is_told_before_anybody_listens_is_heard_later(tmp_path: Path) -> None:

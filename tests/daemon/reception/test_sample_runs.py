@@ -37,7 +37,7 @@ def test_a_sample_s_time_is_that_of_its_frame(sample: int, frame: int) -> None:
 def test_frames_that_go_on_are_one_run_and_a_loss_begins_another() -> None:
     info = device_info()
     channels = tuple(replace(one, scale=0.5 + k, offset=2.0 * k) for k, one in enumerate(info.channels))
-    runs = CountedRuns(channels, ChannelWatch(channels, info.rate_hz))
+    runs = CountedRuns(ChannelWatch(channels, info.rate_hz))
     counts = np.arange(5 * 4 * 12, dtype=np.int16).reshape(5, 4, 12)
     runs.add(times(0, 1, 4), counts[0])
     runs.add(times(4, 1, 4), counts[1])
@@ -61,7 +61,7 @@ def test_frames_that_go_on_are_one_run_and_a_loss_begins_another() -> None:
 def test_all_that_is_taken_is_watched() -> None:
     info = device_info()
     watch = ChannelWatch(info.channels, info.rate_hz)
-    runs = CountedRuns(info.channels, watch)
+    runs = CountedRuns(watch)
     runs.add(times(0, 1), np.full((32, 12), 7, dtype=np.int16))
     runs.add(times(64, 1), np.full((32, 12), 7, dtype=np.int16), lost=32)
     assert watch.take().samples == 0
