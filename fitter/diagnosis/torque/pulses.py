@@ -236,9 +236,13 @@ def _found_with(
     places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(remaining), 1))
 
     def is_one(pulse: Pulse) -> bool:
-        nats = _log_evidence(rows, likely, pulse, background)
         is_sized = pulse.sigmas > EQUAL_SIGMAS  # as of any cause
-        return bool(is_sized and min(nats - places, tail.surprisal(nats) - blocks) > odds)
+        # Beside a background that is estimated anew it is less evident: what is not enough before is not then.
+        for anew in (False, True):
+            nats = _log_evidence(rows, likely, pulse, background, anew) if is_sized else -np.inf
+            if not min(nats - places, tail.surprisal(nats) - blocks) > odds:
+                return False
+        return True
 
     return [pulse for pulse in likely if is_one(pulse)]
 
@@ -271,7 +275,9 @@ def _log_places(n_place: int, k: int) -> float:
     return float(np.log(max(n_place - k + 1, k) / k * more))
 
 
-def _log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background) -> float:
+def _log_evidence(
+    rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background, anew: bool
+) -> float:
     """Return the log evidence of one of some pulses, without the number of its places [nats].
 
     Parameters
@@ -281,7 +287,10 @@ def _log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, bac
     one : Pulse
     background : Background
         The likeliest without all of them.
+    anew : bool
+        Whether it is held against the likeliest without the others.
     """
     alone = without(rows, [pulse for pulse in pulses if pulse is not one])
-    gain = log_likelihood(background, without(rows, pulses)) - log_likelihood(estimated(alone, background), alone)
+    holding = estimated(alone, background) if anew else background
+    gain = log_likelihood(background, without(rows, pulses)) - log_likelihood(holding, alone)
     return gain + one.evidence - one.log_likelihood_ratio
