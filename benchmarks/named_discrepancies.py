@@ -34,8 +34,6 @@ from limbcal.command import Document, run_command
 ARM = "dd-arm-vertical"
 #: Motions to learn from, and all of them.
 LEARNING, MOTIONS = 2, 4
-#: Steps of differences in one of readings: over a whole step they contradict a rigid arm by as much as noise.
-FINER = 20
 #: What the catalogue calls what is hidden; the others it does not have.
 NAMES = {"late sensor": "time_skew", "shaking base": "base_motion"}
 NOTHING = "nothing"
@@ -61,7 +59,7 @@ def write(folder: Path, job: Job) -> list[Path]:
     make = EFFECTS[job.effect][0] if job.effect in EFFECTS else lambda arm, motion, _size, _rng: felt(arm, motion)
     for k in range(MOTIONS):
         rng = np.random.default_rng([job.seed, k])
-        motion = swing(rng, FINER)
+        motion = swing(rng)
         readings = make(arm, motion, job.size, rng)
         readings = readings + NOISE_M_S2 * rng.standard_normal(readings.shape)
         paths.append(folder / f"{k}.npz")

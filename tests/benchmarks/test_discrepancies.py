@@ -25,6 +25,15 @@ def test_an_effect_of_no_size_is_none(name: str) -> None:
     np.testing.assert_allclose(make(ARM, MOTION, 0.0, np.random.default_rng(1)), felt(ARM, MOTION), atol=1e-12)
 
 
+def test_speeds_and_accelerations_are_those_of_the_angles() -> None:
+    """Over two steps by Simpson's rule; differences over whole steps were off by 0.7 and 8 % of one of them."""
+    t, q, dq, ddq = MOTION
+    h = t[1] - t[0]
+    for values, slopes in ((q, dq), (dq, ddq)):
+        gone = (slopes[:-2] + 4.0 * slopes[1:-1] + slopes[2:]) * h / 3.0
+        assert np.abs(values[2:] - values[:-2] - gone).max() < 1e-3 * np.abs(slopes).max() * h
+
+
 @pytest.mark.parametrize("name", ["late sensor", "flex", "play"])
 def test_only_the_last_sensor_is_loose_bent_or_late(name: str) -> None:
     make, sizes, _ = EFFECTS[name]

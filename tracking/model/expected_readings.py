@@ -128,11 +128,14 @@ def observe(of: Observation, room: Room, x: Floats, reading: Floats, slope: Floa
                 for c in range(3):
                     slope[channel + c, column] = gain[c] * a[c]
             i = of.chain.parent[i]
+        own = felt
         if of.base_column >= 0:
             base_axes(of.chain.parent, room.R, link, room.axes)
             base_slopes(room.axes, rotation, turn, gain, slope[channel : channel + 3], of.base_column)
+            without = base_taken_away(room.axes, x, of.base_column)
+            own = total(felt, turned_by(turn, turned_back(rotation, without)))
         if first >= 0:
-            mounting_slopes(rotation, turn, gain, felt, w, dw, slope[channel : channel + 3], first)
+            mounting_slopes(rotation, turn, gain, felt, own, w, dw, slope[channel : channel + 3], first)
 
 
 @compiled
@@ -186,22 +189,41 @@ def base_slopes(
 
 
 @compiled
+def base_taken_away(link_axes: Floats, x: Floats, first: int) -> tuple[float, float, float]:
+    """Return the acceleration of the base with its sign reversed, in the axes of a link, see `base_slopes`.
+
+    Slopes by scale are of what is felt without the base. How it moves is learnt from the readings, and sensors
+    never quite share it: a frame that rocks moves the farther one more. A gain would stand for that.
+    """
+    bx, by, bz = x[first], x[first + 1], x[first + 2]
+    return (
+        -bx * link_axes[0, 0] - by * link_axes[1, 0] - bz * link_axes[2, 0],
+        -bx * link_axes[0, 1] - by * link_axes[1, 1] - bz * link_axes[2, 1],
+        -bx * link_axes[0, 2] - by * link_axes[1, 2] - bz * link_axes[2, 2],
+    )
+
+
+@compiled
 def mounting_slopes(
     rotation: Floats,
     turn: tuple[float, float, float],
     gain: tuple[float, float, float],
     felt: tuple[float, float, float],
+    own: tuple[float, float, float],
     w: tuple[float, float, float],
     dw: tuple[float, float, float],
     slope: Floats,
     first: int,
 ) -> None:
-    """Fill in the slopes (3, n_state) of one sensor by its scale, turn and place."""
+    """Fill in the slopes (3, n_state) of one sensor by its scale, turn and place.
+
+    It feels ``felt``, and ``own`` of that if the base stands.
+    """
     for k in range(3):
         turned = cross(felt, AXES[k])  # to first order in what the turn still lacks
         moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, AXES[k])))
         for c in range(3):
-            slope[c, first + k] = felt[c] if c == k else 0.0
+            slope[c, first + k] = own[c] if c == k else 0.0
             slope[c, first + 3 + k] = gain[c] * turned[c]
             slope[c, first + 6 + k] = gain[c] * moved[c]
 

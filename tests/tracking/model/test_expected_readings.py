@@ -198,3 +198,14 @@ def test_slopes_by_base_and_lack_are_those_of_central_differences(arm, seed):
         np.testing.assert_allclose(slope[:, column], expected, rtol=1e-6, atol=1e-8)
         touched = [column in of.columns[c, : of.n_column[c]] for c in range(len(slope))]
         assert not slope[~np.array(touched), column].any()
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_a_base_says_nothing_of_gains(arm, seed):
+    """Slopes by scales, and by places, are those of a base that stands."""
+    of, x = with_base_and_lack(arm, seed)
+    standing = x.copy()
+    standing[of.base_column : of.base_column + 3] = 0.0
+    columns = (of.mounting_column[:, None] + [0, 1, 2, 6, 7, 8]).ravel()
+    expected = read_with(of, standing)[1][:, columns]
+    np.testing.assert_allclose(read_with(of, x)[1][:, columns], expected, rtol=1e-10, atol=1e-10)

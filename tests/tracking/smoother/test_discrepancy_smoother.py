@@ -1,5 +1,6 @@
 """An arm that is not quite the one in its file, on a base that may move: angles, claims, what is found of it."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 from typing import NamedTuple
 
@@ -9,6 +10,7 @@ import pytest
 from arm.accelerometer import specific_force
 from arm.kinematics import axis_frames, rotation_from_rpy
 from arm.model import Arm
+from tracking.model.initial_state import MountingPrior
 from tracking.model.readings import Readings, ReadingsBuilder
 from tracking.smoother.discrepancy_smoother import DiscrepancySmoother, _rest_at_every_frame
 from tracking.smoother.smoothed_frames import most_probable
@@ -80,6 +82,19 @@ def test_a_base_that_moves_is_told_from_sensors_that_err(vertical_arm: Arm) -> N
     assert found.discrepancy.base_std == pytest.approx(1.0, rel=0.4)
     assert found.discrepancy.lack_std < 0.3
     assert within_3_std(found, one.q) > 0.97
+
+
+def test_no_gain_stands_for_a_base_that_rocks(vertical_arm: Arm) -> None:
+    """Across the plane the second link is moved twice as far as the first; all four sensors have no gain."""
+    one, rng = case(vertical_arm, 3, lack=0.05), np.random.default_rng(4)
+    sideways = coloured(rng, 0.5, 0.1, (len(one.readings.values), 1))
+    moved = one.readings.values.copy()
+    moved[:, 2::3] += sideways * [sensor.joint for sensor in vertical_arm.sensors]
+    smoother = DiscrepancySmoother(vertical_arm, np.zeros(2), True, MountingPrior())
+    found = smoother.smooth(replace(one.readings, values=moved))
+    assert found.discrepancy is not None and found.discrepancy.base_std > 0.1
+    gains = found.final[smoother.observation.mounting_column[:, None] + np.arange(3)]
+    assert np.abs(gains).max() < 3.0 * MountingPrior().scale
 
 
 def test_what_an_earlier_recording_showed_is_known(vertical_arm: Arm) -> None:
