@@ -204,8 +204,21 @@ class Stepwise:
         own = self._log_evidence(fit, smaller)
         if own < ODDS_NATS or not fit.helps(smaller) or not self._is_evident_everywhere(fit, smaller):
             return None
-        found = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
-        return found if self._likelihood.is_significant(found[0]) else None
+        kept, left = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
+        if len(left) < len(steps) + len(more):
+            # What has made others needless stands for them: it has the evidence of a cause without them, too.
+            kept = self._likelihood.reweighted(kept)
+            if not all(self._is_evident(kept, place) for place in range(len(left) - len(more), len(left))):
+                return None
+        return (kept, left) if self._likelihood.is_significant(kept) else None
+
+    def _is_evident(self, fit: Fit, place: int) -> bool:
+        """Say whether one of a model's hypotheses has the evidence of a cause beside the others."""
+        smaller, against = (
+            self._likelihood.without(fit, place),
+            self._against(fit.candidate.model.hypotheses[place]),
+        )
+        return log_evidence(fit, smaller, against) >= ODDS_NATS
 
     def _is_evident_everywhere(self, fit: Fit, smaller: Fit) -> bool:
         """Say whether what a model has more has the evidence of a cause where both are fitted to all trials, too.
@@ -265,9 +278,9 @@ class Stepwise:
     def _pruned(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
         """Return a model without the causes that the last one has made needless."""
         for place in reversed(range(len(steps) - 1)):
-            smaller = self._likelihood.without(fit, place)
-            if log_evidence(fit, smaller, self._against(steps[place].hypothesis)) < ODDS_NATS:
-                fit, steps = smaller, [one for k, one in enumerate(steps) if k != place]
+            if not self._is_evident(fit, place):
+                fit = self._likelihood.without(fit, place)
+                steps = [one for k, one in enumerate(steps) if k != place]
         return fit, steps
 
     def _exchanged(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:

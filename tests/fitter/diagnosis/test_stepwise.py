@@ -237,3 +237,35 @@ def test_a_cause_needs_evidence_if_all_trials_are_fitted_too(first, learnt, foun
     assert columns_of(Stepwise(likelihood, len(tried), MOST).run()) == found
     plain = LinearLikelihood(A, y, tried, learnt=learnt)
     assert columns_of(Stepwise(plain, len(tried), MOST).run()) == ([(1,), (2,)] if first else [(2,)])
+
+
+class Replacing(LinearLikelihood):
+    """One by which a later column makes an earlier one needless, and alone explains nothing by its own weights."""
+
+    alone = True
+
+    def options(self, fit):
+        found = super().options(fit)
+        return (
+            found
+            if fit.candidate.model.hypotheses
+            else [one for one in found if one.candidate.hypothesis.joints != (2,)]
+        )
+
+    def reweighted(self, fit):
+        own = [one.joints for one in fit.candidate.model.hypotheses]
+        return super().reweighted(fit if self.alone or own != [(2,)] else self.unexplained(fit))
+
+    def unexplained(self, fit):
+        """Return a fit that leaves what no cause does."""
+        return replace(fit, residual=self.fit_of().residual)
+
+
+@pytest.mark.parametrize(("alone", "found"), [(True, [(2,)]), (False, [(1,)])])
+def test_what_makes_a_cause_needless_explains_it_under_its_own_weights(alone, found):
+    A, noise = drawn(7, 4)
+    A[:, 2] = A[:, 1] + 0.5 * A[:, 2]
+    tried = [Columns(k) for k in range(4)]
+    likelihood = Replacing(A, 2.0 * A[:, 2] + noise, tried, learnt=1.0)
+    likelihood.alone = alone
+    assert columns_of(Stepwise(likelihood, len(tried), MOST).run()) == found
