@@ -223,8 +223,8 @@ class Stepwise:
     def _is_evident_everywhere(self, fit: Fit, smaller: Fit) -> bool:
         """Say whether what a model has more has the evidence of a cause where both are fitted to all trials, too.
 
-        What a smaller model leaves of unfitted trials, because the learning trials hardly tell its numbers, is no
-        cause; nor is what an event's model leaves less of them, because it is fitted to all trials.
+        What a smaller model leaves of unfitted trials, because the learning trials determine its numbers poorly,
+        is no cause; nor is what an event's model leaves less of them, because it is fitted to all trials.
         """
         if np.all(fit.learnt):
             return True

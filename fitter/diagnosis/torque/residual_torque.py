@@ -76,8 +76,8 @@ class ResidualTorque:
         r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
         own = both(joint)
         signals = np.stack([_common(*own), _common(*(np.gradient(one, step_s) for one in own))], axis=1)
-        coupled = [joint, *neighbours(joint, self.r.shape[1])]
-        reversing = np.max([_reversing(_common(*both(one)), m) for one in coupled], axis=0)
+        beside = [_common(*both(one)) for one in neighbours(joint, self.r.shape[1])]
+        reversing = np.max([_reversing(torque, m) for torque in (signals[:, 0], *beside)], axis=0)
         known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)

@@ -123,7 +123,7 @@ def test_a_size_that_the_catalogue_forbids_is_none_that_a_search_accepts(dragged
 
 @pytest.mark.parametrize(("variance", "said"), [(1e-8, True), (100.0, True), (np.nan, False)])
 def test_what_is_linear_in_no_number_has_to_be_determined(monkeypatch, dragged, ranked, variance, said):
-    """A gap that learning trials hardly told was rejected, though nothing else explained the run."""
+    """A gap with a large standard error was rejected, though nothing else explained the run."""
     likelihood, _ = dragged
     gain = next(one for one in ranked if isinstance(one.candidate.hypothesis, Gain))
     n = len(gain.candidate.x)
