@@ -210,7 +210,18 @@ class Stepwise:
             kept = self._likelihood.reweighted(kept)
             if not all(self._is_evident(kept, place) for place in range(len(left) - len(more), len(left))):
                 return None
-        return (kept, left) if self._likelihood.is_significant(kept) else None
+        return (kept, left) if self._likelihood.is_significant(kept) else self._disentangled(kept, left)
+
+    def _disentangled(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]] | None:
+        """Return a model with others in place of earlier causes of which one has no size beside the last one.
+
+        What was found first may have stood for two: beside one of them it is collinear, and stands for the other.
+        None unless all causes then have evidence, and sizes.
+        """
+        other, exchanged = self._exchanged(fit, steps)
+        if other is fit or not self._likelihood.is_significant(other):
+            return None
+        return (other, exchanged) if all(self._is_evident(other, k) for k in range(len(exchanged))) else None
 
     def _is_evident(self, fit: Fit, place: int) -> bool:
         """Say whether one of a model's hypotheses has the evidence of a cause beside the others."""

@@ -14,18 +14,20 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 from scipy.special import gammaln
 
 from arm.model import Floats
-from fitter.diagnosis.torque.kalman import Filter, gains, weighted_innovations
+from fitter.diagnosis.torque.kalman import Filter, gains
+from fitter.diagnosis.torque.kalman_adjoint import log_density
 from limbcal.compiled import compiled
 
 #: What lasts longer is no pulse but a bias or a load [s]. Errors in proportion to a signal do: they imitate none.
 LONGEST_PULSE_S = 1.0
-#: Numbers of a background that no signal adds.
+#: Numbers of a background that no signal adds…
 _N_SINGLE = 9
+#: … and places of some of them.
+DEGREES_OF_FREEDOM, CONTACT = 7, 8
 #: States that are the angle's noise, the last ones.
 _N_ANGLE = 3
 
@@ -132,11 +134,10 @@ class Background:
     def filtered(self, rows: Rows) -> Filter:
         """Return the filter of a trial whose rows have no outliers: its gains do not depend on the residual."""
         noises = rows.step_s, rows.torque_noise, rows.angle_noise
-        F, P, Q, C, white = _state_space(self.numbers, rows.signals, *noises)
-        variance = white + self.uneven_variance(rows)
-        return Filter(
-            F, Q, P, C, variance, *gains(F, Q, P, C, variance, rows.known, len(F) - _N_ANGLE), rows.known
-        )
+        F, Q, P, white = state_space(self.numbers, *noises)
+        C, variance = outputs(rows.signals, rows.step_s), white + self.uneven_variance(rows)
+        own = gains(F, Q, P, C, variance, rows.known, n_torque(F), np.zeros((0, *F.shape)))
+        return Filter(F, Q, P, C, variance, *own, rows.known)
 
     def uneven_variance(self, rows: Rows) -> Floats:
         """Return the variance of the white noise that only some rows have, (n,) [N^2 m^2]."""
@@ -155,13 +156,13 @@ class Background:
 
 
 @compiled
-def _state_space(
-    numbers: Floats, signals: Floats, h: float, torque_noise: float, angle_noise: float
-) -> tuple[Floats, Floats, Floats, Floats, float]:
-    """Return F, P, Q, C and the white noise's variance of eq. (m.1) with a step h."""
-    n, n_signal = signals.shape
+def state_space(
+    numbers: Floats, h: float, torque_noise: float, angle_noise: float
+) -> tuple[Floats, Floats, Floats, float]:
+    """Return F, Q, P and the white noise's variance of eq. (m.1) with a step h."""
+    n_signal = (len(numbers) - _N_SINGLE) // 2
     d = 3 + n_signal
-    F, P, Q, C = np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((n, d + 3))
+    F, Q, P = np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3)), np.zeros((d + 3, d + 3))
     F[0, 0], P[0, 0] = np.exp(-h / numbers[1]), numbers[0] ** 2
     ringing, w = numbers[2], numbers[3]
     decay, damped = numbers[4] * w, w * np.sqrt(1.0 - numbers[4] ** 2)
@@ -178,109 +179,38 @@ def _state_space(
     for i in range(3):
         P[d + i, d + i] = angle_noise**2 + numbers[6] ** 2
     Q[d, d] = P[d, d]
-    C[:, 0] = C[:, 1] = 1.0
-    C[:, 3:d] = signals
-    C[:, d], C[:, d + 1], C[:, d + 2] = 1.0 / h**2, -2.0 / h**2, 1.0 / h**2
-    return F, P, Q, C, torque_noise**2 + numbers[5] ** 2
+    return F, Q, P, torque_noise**2 + numbers[5] ** 2
 
 
 @compiled
-def _log_density(
-    numbers: Floats,
-    signals: Floats,
-    r: Floats,
-    known: NDArray[np.bool_],
-    h: float,
-    torque_noise: float,
-    angle_noise: float,
-    uneven_variance: Floats,
-) -> float:
-    """Return the logarithm of Student's density of a trial's innovations, but for its constant."""
-    F, P, Q, C, white = _state_space(numbers, signals, h, torque_noise, angle_noise)
-    gain, S, new_gain, new_ratio = gains(F, Q, P, C, white + uneven_variance, known, len(F) - _N_ANGLE)
-    e, total, nu = np.zeros(len(r)), 0.0, numbers[7]
-    weighted_innovations(F, C, gain, new_gain, new_ratio, S, known, r, nu, e, np.empty_like(gain))
-    for k in range(len(r)):
-        if known[k]:
-            total -= 0.5 * (nu + 1.0) * np.log(1.0 + e[k] ** 2 / nu) + 0.5 * np.log(S[k])
-    return total
+def outputs(signals: Floats, h: float) -> Floats:
+    """Return what each state of eq. (m.1) adds to a row, (n, d)."""
+    n, n_signal = signals.shape
+    d = 3 + n_signal
+    C = np.zeros((n, d + 3))
+    C[:, 0] = C[:, 1] = 1.0
+    C[:, 3:d] = signals
+    C[:, d], C[:, d + 1], C[:, d + 2] = 1.0 / h**2, -2.0 / h**2, 1.0 / h**2
+    return C
+
+
+@compiled
+def n_torque(F: Floats) -> int:
+    """Return how many states are torques, or in proportion to one: all but the angle's noise."""
+    return len(F) - _N_ANGLE
 
 
 def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
     """Return the log likelihood of the trials' known rows: Student's density of the innovations [nats]."""
-    numbers, nu = background.numbers, background.degrees_of_freedom
-    constant = gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi)
-    total = constant * sum(int(np.count_nonzero(rows.known)) for rows in trials)
+    nu = background.degrees_of_freedom
+    total = constant(nu) * sum(int(np.count_nonzero(rows.known)) for rows in trials)
     for rows in trials:
-        noises = rows.step_s, rows.torque_noise, rows.angle_noise, background.uneven_variance(rows)
-        total += _log_density(numbers, rows.signals, rows.r, rows.known, *noises)
+        kalman = background.filtered(rows)
+        e = kalman.weighted_innovations(rows.r, nu)
+        total += log_density(rows.r, e, kalman.S, rows.known, nu)
     return float(total)
 
 
-def estimated(
-    trials: Sequence[Rows],
-    near: Background | None = None,
-    *,
-    freedom: tuple[float, float] = (1.0, 30.0),
-    damping: tuple[float, float] = (0.03, 1.0),
-    least: float = 1e-3,
-    tolerance: float = 1e-4,
-) -> Background:
-    """Return the background of one joint, by maximum likelihood over its trials.
-
-    Student's tails keep a few pushes from being taken for background. The ascent starts at the background `near`.
-
-    Parameters
-    ----------
-    trials : sequence of Rows
-    near : Background, optional
-    freedom : (float, float)
-        Degrees of freedom, from Cauchy's tails; at 30 Student's distribution passes for a normal one.
-    damping : (float, float)
-        Damping ratios of the oscillator: ten periods of ringing; critical damping.
-    least : float
-        Standard deviation of any part of the background, as a ratio to that of the residual: rounding to zero.
-    tolerance : float
-        The ascent ends when the log likelihood of a row rises by less than this ratio.
-    """
-    sizes = np.concatenate([rows.r[rows.known] for rows in trials])
-    signals = np.concatenate([rows.signals[rows.known] for rows in trials])
-    scale = float(_rms(sizes))
-    # Of signals that are nothing, as the torque of an arm that swings freely, there are no errors in proportion.
-    acts = np.any(signals, axis=0)
-    unit = np.divide(scale, _rms(signals), out=np.zeros(len(acts)), where=acts)
-    step_s, longest_s = trials[0].step_s, max(float(rows.t[-1] - rows.t[0]) for rows in trials)
-    n_signal = len(unit)
-    spread = (np.log(least), np.log(10.0))
-    lasting = (np.log(step_s), np.log(longest_s))
-    slow = (max(lasting[0], min(np.log(LONGEST_PULSE_S), lasting[1])), lasting[1])
-    ringing = (np.log(2.0 * np.pi / longest_s), np.log(np.pi / step_s))  # up to Nyquist's frequency
-    bounds = [spread, lasting, spread, ringing, tuple(np.log(damping)), spread, spread]
-    bounds += [tuple(np.log(freedom)), spread, *[spread] * n_signal, *[slow] * n_signal]
-    low, high = np.transpose(bounds)
-    angle = scale * step_s**2 / np.sqrt(6.0)  # whose second difference is of the residual's size
-    units = np.concatenate([[scale, 1.0, scale, 1.0, 1.0, scale, angle, 1.0, scale], unit, np.ones(n_signal)])
-
-    def loss(x: Floats) -> float:
-        return -log_likelihood(Background.of(units * np.exp(x)), trials) / max(len(sizes), 1)
-
-    def begun(ringing_rad_s: float) -> Floats:
-        part = 1.0 / np.sqrt(5.0 + n_signal)  # all parts of equal variance
-        start = [part, LONGEST_PULSE_S, part, ringing_rad_s, 0.5, part, part, 4.0, part]
-        start += [*[part] * n_signal, *[LONGEST_PULSE_S] * n_signal]
-        if near is not None:
-            start = list(np.divide(near.numbers, units, out=np.array(start), where=units > 0.0))
-        return np.asarray(np.clip(np.log(start), low, high))
-
-    # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
-    n_octave = int(np.ceil((ringing[1] - ringing[0]) / np.log(2.0)))
-    octaves = np.exp(np.linspace(*ringing, n_octave + 1)) if near is None else [near.ringing_rad_s]
-    begin = min(map(begun, octaves), key=loss)
-    box = scipy.optimize.Bounds(low, high)
-    best = scipy.optimize.minimize(loss, begin, method="L-BFGS-B", bounds=box, options={"ftol": tolerance})
-    return Background.of(units * np.exp(best.x))
-
-
-def _rms(samples: Floats) -> Floats:
-    """Return the rms of columns, never zero."""
-    return np.asarray(np.sqrt(np.sum(samples**2, axis=0) / max(len(samples), 1)) + np.finfo(float).tiny)
+def constant(nu: float) -> float:
+    """Return the constant of the logarithm of Student's density."""
+    return float(gammaln(0.5 * (nu + 1.0)) - gammaln(0.5 * nu) - 0.5 * np.log(nu * np.pi))

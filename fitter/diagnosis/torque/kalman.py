@@ -54,10 +54,17 @@ class Filter:
         nu : float
             Degrees of freedom of Student's distribution.
         """
+        return replace(self, gain=self._weighted(r, nu)[1])
+
+    def weighted_innovations(self, r: Floats, nu: float) -> Floats:
+        """Return the standardised innovations of a residual, its rows weighted by it, (n,)."""
+        return self._weighted(r, nu)[0]
+
+    def _weighted(self, r: Floats, nu: float) -> tuple[Floats, Floats]:
         gain, e = np.empty_like(self.gain), np.zeros(len(r))
         new = self.gain, self.new_gain, self.new_ratio, self.S
         weighted_innovations(self.F, self.C, *new, self.known, r, nu, e, gain)
-        return replace(self, gain=gain)
+        return e, gain
 
     def innovations(self, r: Floats, first: int = 0) -> Floats:
         """Return the standardised innovations of a residual, or of a column that is zero before its first row.
@@ -74,11 +81,11 @@ class Filter:
 
     def predicted(self, r: Floats) -> Floats:
         """Return the states that are expected before each row of a residual, (n, d)."""
-        return np.asarray(_predicted(self.F, self.C, self.gain, self.known, r))
+        return np.asarray(predicted(self.F, self.C, self.gain, self.known, r))
 
 
 @compiled
-def _carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
+def carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
     """Put ``(F P)'`` into an array; F is not zero at (row, column) only."""
     out[:] = 0.0
     for n in range(len(at)):
@@ -89,17 +96,27 @@ def _carried(F: Floats, at: NDArray[np.int64], P: Floats, out: Floats) -> None:
 
 @compiled
 def gains(
-    F: Floats, Q: Floats, P: Floats, C: Floats, variance: Floats, known: NDArray[np.bool_], n_torque: int
+    F: Floats,
+    Q: Floats,
+    P: Floats,
+    C: Floats,
+    variance: Floats,
+    known: NDArray[np.bool_],
+    n_torque: int,
+    priors: Floats,
 ) -> tuple[Floats, Floats, Floats, Floats]:
     """Return `Filter`'s gain, S, new_gain and new_ratio; a row that is not known has gains 0 and variance 1.
 
-    The first ``n_torque`` states are torques, or in proportion to one.
+    The first ``n_torque`` states are torques, or in proportion to one. The states' covariance before each row is
+    put into ``priors``, (n, d, d), or (0, d, d) if nobody needs it.
     """
     n, d = C.shape
     gain, S, new_gain, new_ratio = np.zeros((n, d)), np.ones(n), np.zeros((n, d)), np.ones(n)
     P, turned, p = P.copy(), np.zeros((d, d)), np.zeros(d)
     at, fresh = np.argwhere(F != 0.0), np.argwhere(Q[:n_torque, :n_torque] != 0.0)
     for k in range(n):
+        if k < len(priors):
+            priors[k] = P
         if known[k]:
             S[k] = variance[k]
             p[:] = 0.0
@@ -117,8 +134,8 @@ def gains(
                 i, j = fresh[m]
                 new_gain[k, i] += Q[i, j] * C[k, j] / S[k]
                 new_ratio[k] += C[k, i] * Q[i, j] * C[k, j] / S[k]
-        _carried(F, at, P, turned)
-        _carried(F, at, turned, P)
+        carried(F, at, P, turned)
+        carried(F, at, turned, P)
         P += Q
     return gain, S, new_gain, new_ratio
 
@@ -153,7 +170,8 @@ def innovations(
 
 
 @compiled
-def _predicted(F: Floats, C: Floats, gain: Floats, known: NDArray[np.bool_], r: Floats) -> Floats:
+def predicted(F: Floats, C: Floats, gain: Floats, known: NDArray[np.bool_], r: Floats) -> Floats:
+    """Return the states that are expected before each row of a residual, (n, d)."""
     n, d = C.shape
     states, x, y = np.zeros((n, d)), np.zeros(d), np.zeros(d)
     at = np.argwhere(F != 0.0)

@@ -16,7 +16,8 @@ import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
-from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, estimated, log_likelihood
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, log_likelihood
+from fitter.diagnosis.torque.background_fit import estimated
 from fitter.diagnosis.torque.neighbours import beside_neighbours, neighbours
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, without
 from fitter.diagnosis.torque.pulse_search import Search

@@ -1,11 +1,10 @@
-"""The background is estimated from residuals, and whitens them."""
-
-from dataclasses import replace
+"""The background whitens residuals."""
 
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.background import Background, Rows, estimated, log_likelihood
+from fitter.diagnosis.torque.background import Background, Rows
+from fitter.diagnosis.torque.background_fit import estimated
 from tests.fitter.diagnosis.torque.residuals import trial
 
 
@@ -54,34 +53,6 @@ def test_innovations_are_those_of_the_covariance():
     assert np.all(e[~known] == 0.0)
 
 
-def test_the_size_and_the_time_of_a_process_are_found():
-    rng = np.random.default_rng(2)
-    parts = [trial(rng).rows(0) for _ in range(4)]
-    found = estimated(parts)
-    noiseless = background(ringing=1e-5, white=0.01, contact=1e-6)
-    truth = replace(noiseless, in_proportion=np.full(2, 1e-6), proportion_s=np.ones(2))
-    assert np.hypot(found.std, found.ringing) == pytest.approx(0.05, rel=0.35)
-    assert found.degrees_of_freedom > 8.0
-    gained = sum(log_likelihood(found, [part]) - log_likelihood(truth, [part]) for part in parts)
-    assert gained > 0.0
-
-
-def test_an_estimate_goes_on_from_another():
-    part = trial(np.random.default_rng(3)).rows(0)
-    first = estimated([part])
-    again = estimated([part], first)
-    assert log_likelihood(again, [part]) >= log_likelihood(first, [part]) - 0.1
-
-
-@pytest.mark.filterwarnings("error")
-def test_an_arm_that_swings_freely_has_no_errors_of_its_torque():
-    free = replace(trial(np.random.default_rng(4)), torque=np.zeros((250, 1))).rows(0)
-    found = estimated([free])
-    again = estimated([free], found)
-    assert np.all(again.in_proportion == 0.0)
-    assert np.isfinite(log_likelihood(again, [free]))
-
-
 def test_a_block_of_unlikely_rows_has_the_least_density():
     part = trial(np.random.default_rng(3)).rows(0)
     model = estimated([part])
@@ -91,13 +62,3 @@ def test_a_block_of_unlikely_rows_has_the_least_density():
     assert np.all(np.isnan(density[100:125]))
     assert np.nanargmin(density) == 50
     np.testing.assert_array_equal(density[50:75], density[50])
-
-
-def test_what_strikes_where_the_torque_changes_its_sign_is_found():
-    rng = np.random.default_rng(6)
-    parts = [trial(rng).rows(0) for _ in range(4)]
-    for part in parts:
-        part.r[:] += 0.5 * part.reversing * rng.normal(size=len(part.r))
-    found = estimated(parts)
-    assert found.contact == pytest.approx(0.5, rel=0.35)
-    assert np.hypot(found.std, found.ringing) == pytest.approx(0.05, rel=0.5)

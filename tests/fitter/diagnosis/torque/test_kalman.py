@@ -12,7 +12,7 @@ def random_walk() -> Filter:
     F, Q, P, C, known = np.eye(1), np.eye(1), np.eye(1), np.ones((N, 1)), np.ones(N, dtype=bool)
     known[7] = False
     variance = np.full(N, 2.0)
-    return Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 1), known)
+    return Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 1, np.zeros((0, 1, 1))), known)
 
 
 def test_the_gain_of_a_random_walk_is_that_of_the_riccati_equation():
@@ -48,7 +48,7 @@ def test_the_gain_of_an_outlier_is_that_of_as_much_more_new_noise():
     """Eq. (m.1b) against the covariance form, with the row's process and white noise divided by its weight."""
     F, Q, P, C, variance = slow_and_fast()
     known, nu, at = np.ones(N, dtype=bool), 4.0, 20
-    kalman = Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 2), known)
+    kalman = Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 2, np.zeros((0, 2, 2))), known)
     r = np.zeros(N)
     r[at] = 30.0
     weighted = kalman.weighted(r, nu)
@@ -67,7 +67,7 @@ def test_the_gain_of_an_outlier_is_that_of_as_much_more_new_noise():
 def test_without_tails_no_row_has_a_weight_of_its_own():
     F, Q, P, C, variance = slow_and_fast()
     known = np.ones(N, dtype=bool)
-    kalman = Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 2), known)
+    kalman = Filter(F, Q, P, C, variance, *gains(F, Q, P, C, variance, known, 2, np.zeros((0, 2, 2))), known)
     r = np.random.default_rng(2).normal(size=N)
     assert kalman.weighted(r, 1e12).gain == pytest.approx(kalman.gain)
 
