@@ -182,16 +182,6 @@ def either(forms: Sequence[Pulse]) -> Pulse:
     )
 
 
-def unseen_s(rows: Rows, at_s: float, way: int) -> float:
-    """Return for how long before (-1) or after (1) an instant nothing is known, 0 if its row is and the next."""
-    k = int(np.clip(np.searchsorted(rows.t, at_s + 0.5 * rows.step_s) - 1, 0, len(rows.t) - 1))
-    known = rows.known[: k + 1][::-1] if way < 0 else rows.known[k:]
-    if np.all(known[:2]):
-        return 0.0
-    first = int(np.argmin(known))
-    return rows.step_s * (first + int(np.argmax(np.append(known[first:], True))))
-
-
 class Shapes:
     """Pulses of size one of all durations and forms that begin with a row, as means over the rows about it.
 

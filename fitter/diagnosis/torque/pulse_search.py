@@ -19,8 +19,8 @@ from fitter.diagnosis.torque.pulse import (
     either,
     in_rows,
     seen,
-    unseen_s,
 )
+from fitter.diagnosis.torque.rests import outside, unseen_s
 from limbcal.compiled import compiled
 
 
@@ -124,13 +124,13 @@ class Search:
         kalman = self.kalman
         for _ in range(2):
             start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
+            start_s, duration_s = outside(self.rows, start_s, duration_s, size)
             remaining = r - size * in_rows(self.rows, start_s, duration_s, form)
             kalman = self.kalman.weighted(remaining, self.nu)
         ratio = _log_ratio(kalman.innovations(remaining), self._innovations(r), self.nu)
-        covariance, places = self._errors(kalman, start_s, duration_s, form, size)
-        before, after = (unseen_s(self.rows, at, way) for at, way in ((start_s, -1), (start_s + duration_s, 1)))
-        covariance[0, 0] += before**2 / 12.0  # uniform where nothing is known
-        covariance[1, 1] += (before**2 + after**2) / 12.0
+        ends = (start_s, -1), (start_s + duration_s, 1)
+        before, after = (unseen_s(self.rows, at, way, size) for at, way in ends)
+        covariance, places = self._errors(kalman, start_s, duration_s, form, size, (before, after))
         slope = np.array([0.0, size, duration_s])  # of the impulse
         impulse_std = float(np.sqrt(slope @ covariance @ slope))
         start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))
@@ -189,11 +189,19 @@ class Search:
         return *place, at(place, 1.0)[1]
 
     def _errors(
-        self, kalman: Filter, start_s: float, duration_s: float, form: str, size: float, part: float = 0.05
+        self,
+        kalman: Filter,
+        start_s: float,
+        duration_s: float,
+        form: str,
+        size: float,
+        unseen: tuple[float, float],
+        part: float = 0.05,
     ) -> tuple[Floats, float]:
         """Return the covariance of start, duration and size, (3, 3), and the logarithm of the likelihood's volume.
 
-        Both by Fisher's information of Student's location. The volume is in units of the places that are sought,
+        Both by Fisher's information of Student's location. ``unseen`` says how long nothing is known of either
+        end [s]. The volume is in units of the places that are sought,
         times the unit of the size, by Laplace.
         Slopes are taken over a ``part`` of the duration.
         """
@@ -207,8 +215,10 @@ class Search:
         ]
         J = np.stack([kalman.innovations(column) for column in columns], axis=1)
         information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
-        # Where an end is unobserved, it is uniform within the longest duration.
-        information += np.diag([12.0 / LONGEST_PULSE_S**2, 12.0 / LONGEST_PULSE_S**2, TINY])
+        # Either end is uniform where nothing tells whether the push acts, else within the longest duration.
+        for end, span in zip(([1.0, 0.0, 0.0], [1.0, 1.0, 0.0]), unseen, strict=True):
+            information += 12.0 / (span or LONGEST_PULSE_S) ** 2 * np.outer(end, end)
+        information += np.diag([0.0, 0.0, TINY])
         place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
         volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
         return np.asarray(np.linalg.inv(information)), float(volume)

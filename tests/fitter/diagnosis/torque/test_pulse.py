@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.pulse import Pulse, either, in_rows, pulse_means, unseen_s
+from fitter.diagnosis.torque.pulse import Pulse, either, in_rows, pulse_means
 from tests.fitter.diagnosis.torque.residuals import trial
 
 
@@ -37,15 +37,6 @@ PULSE = Pulse(0, 0, 1.0, 0.2, 5.0, 0.01, 0.02, 0.3, 0.1, "rectangular", 20.0, 15
 def test_pulses_overlap_at_one_joint_at_one_time_in_one_direction(other, expected):
     other = replace(PULSE, **other)
     assert PULSE.overlaps(other) is other.overlaps(PULSE) is expected
-
-
-def test_beside_rows_that_are_not_known_an_instant_may_be_anywhere_in_them():
-    rows = trial(np.random.default_rng(7)).rows(0)
-    rows.known[90:102] = False  # from 3.58 s to 4.06 s
-    for at_s in (4.05, 4.08):  # among them and in the row next to them
-        assert unseen_s(rows, at_s, -1) == pytest.approx(0.48, abs=0.05)
-    assert unseen_s(rows, 3.57, 1) == pytest.approx(0.48, abs=0.05)
-    assert unseen_s(rows, 4.2, -1) == unseen_s(rows, 4.2, 1) == unseen_s(rows, 4.08, 1) == 0.0
 
 
 def test_a_form_that_might_be_another_has_the_error_of_both():
