@@ -217,6 +217,26 @@ def test_what_stood_in_for_two_is_exchanged_for_the_one_it_stood_for(seed):
     assert set(columns_of(found)) == {(0,), (1,)}
 
 
+class Entangled(LinearLikelihood):
+    """One by which a column has no size beside any other, as one that scatters much more beside it."""
+
+    def is_significant(self, fit):
+        own = [one.joints for one in fit.candidate.model.hypotheses]
+        return super().is_significant(fit) and not ((2,) in own and len(own) > 1)
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_what_has_no_size_beside_a_later_cause_is_exchanged(seed):
+    """A blend of two true columns comes first; beside either of them it stands for the other, without a size."""
+    A, noise = drawn(seed, 4)
+    A[:, 2] = A[:, 0] + 0.4 * A[:, 1] + 0.3 * A[:, 2]
+    y, tried = A[:, 0] + 0.8 * A[:, 1] + 0.5 * noise, [Columns(k) for k in range(4)]
+    found = Stepwise(Entangled(A, y, tried, wrong=False), len(tried), MOST).run()
+    assert found.first[0].candidate.hypothesis.joints == (2,)
+    assert set(columns_of(found)) == {(0,), (1,)}
+
+
 class Recounted(LinearLikelihood):
     """One by which one column is of no use where all trials are fitted."""
 
