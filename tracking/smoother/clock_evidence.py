@@ -1,12 +1,13 @@
-"""Which sensors' clocks differ: those of which the readings say so twice.
+"""Which sensors' clocks differ: those of which the readings say so twice, whatever else of the sensors does.
 
 A lateness explains much of what an arm lacks besides, such as flesh that gives way. So a sensor's clock is let go
 only if readings with it are a hundred times likelier than without (the Bayes factor), and if it also predicts:
 what the other blocks of the recording say of it makes the readings of each block likelier, by as much in all
-(cross-validation; M. Stone, *Cross-validatory choice and assessment of statistical predictions*, 1974). Both come
-of one pass: along the most probable motion the log-likelihood is quadratic in the latenesses. Readings count as
-many times less as their errors are more dispersed than the model has it (quasi-likelihood; P. McCullagh, J. A.
-Nelder, *Generalized Linear Models*, 1989, ch. 9).
+(cross-validation; M. Stone, *Cross-validatory choice and assessment of statistical predictions*, 1974). A sensor
+that is loose reads much like one that is late, and both are judged alike, each beside all others that are kept
+(`tracking.smoother.sensor_effects`). A pass each is enough: along the most probable motion the log-likelihood is
+quadratic in the sizes of such effects. Readings count as many times less as their errors are more dispersed than
+the model has it (quasi-likelihood; P. McCullagh, J. A. Nelder, *Generalized Linear Models*, 1989, ch. 9).
 """
 
 from typing import NamedTuple
@@ -19,43 +20,43 @@ from arm.model import Floats
 _LEAST_NATS = float(np.log(100.0))
 
 
-class ClockSlopes(NamedTuple):
-    """What blocks of a recording say of latenesses, all being zero: slopes and curvatures of the log-likelihood.
+class EffectSlopes(NamedTuple):
+    """What blocks of a recording say of sizes of effects: slopes and curvatures of the log-likelihood at zero.
 
     Attributes
     ----------
-    gradient : (n_block, n_clock) [1/s]
-    information : (n_block, n_clock, n_clock) [1/s^2]
-    prior_std_s : float
-        Of each lateness.
+    gradient : (n_block, n_effect)
+    information : (n_block, n_effect, n_effect)
+    prior_std : (n_effect,)
+        Of each size.
     """
 
     gradient: Floats
     information: Floats
-    prior_std_s: float
+    prior_std: Floats
 
 
-def clock_slopes(
+def effect_slopes(
     error: Floats,
     precision: Floats,
-    drift: Floats,
-    covariance: Floats,
-    prior_std_s: float,
+    slopes: Floats,
+    information: Floats,
+    prior_std: Floats,
     length: int,
     dispersion: float = 1.0,
-) -> ClockSlopes:
-    """Return what blocks say of latenesses.
+) -> EffectSlopes:
+    """Return what blocks say of sizes of effects.
 
     Parameters
     ----------
-    error, precision : (n, n_clock, n_of_clock)
-        Smoothing errors of the readings that share a clock, all clocks being held to agree, and their variances
+    error, precision : (n, n_channel)
+        Smoothing errors of the readings, all sizes being held to be zero, and their variances
         (`tracking.smoother.smoothing_pass.Pass`); zero where nothing was read.
-    drift : (n, n_clock, n_of_clock)
-        Rates of these readings.
-    covariance : (n_clock, n_clock) [s^2]
-        Of the latenesses after all readings, if they are let go.
-    prior_std_s : float
+    slopes : (n_effect, n, n_channel)
+        Of the readings by these sizes.
+    information : (n_effect, n_effect)
+        What all readings say of them. Each block has its share in it.
+    prior_std : (n_effect,)
     length : int
         Instants of a block.
     dispersion : float
@@ -63,38 +64,36 @@ def clock_slopes(
     """
     # the last block is no shorter than half of one
     begins = np.arange(0, max(1, len(error) - length // 2), length)
-    gradient = np.add.reduceat(-(error * drift).sum(axis=2), begins, axis=0)
-    squares = np.add.reduceat((precision * drift**2).sum(axis=2), begins, axis=0)
+    gradient = np.add.reduceat(np.einsum("akc,kc->ka", slopes, error), begins, axis=0)
+    squares = np.add.reduceat(np.einsum("akc,kc->ka", slopes**2, precision), begins, axis=0)
     share = np.sqrt(squares / np.maximum(squares.sum(axis=0), np.finfo(np.float64).tiny))
-    whole = np.linalg.inv(covariance) - np.eye(len(covariance)) / prior_std_s**2
-    information = share[:, :, None] * whole * share[:, None, :]
-    return ClockSlopes(gradient / dispersion, information / dispersion, prior_std_s)
+    each = share[:, :, None] * information * share[:, None, :]
+    return EffectSlopes(gradient / dispersion, each / dispersion, prior_std)
 
 
-def accepted(slopes: ClockSlopes) -> list[int]:
-    """Return the clocks that differ: all but those that too little speaks for, the least one left out first."""
+def accepted(slopes: EffectSlopes) -> list[int]:
+    """Return the effects that are there: those that too little speaks for are left out, the least one first."""
     kept = list(range(slopes.gradient.shape[1]))
     while kept:
         whole = _evidence(slopes, kept)
-        gains = [min(np.subtract(whole, _evidence(slopes, [c for c in kept if c != clock]))) for clock in kept]
+        gains = [min(np.subtract(whole, _evidence(slopes, [c for c in kept if c != one]))) for one in kept]
         if min(gains) > _LEAST_NATS:
             break
         kept.pop(int(np.argmin(gains)))
     return kept
 
 
-def _evidence(slopes: ClockSlopes, kept: list[int]) -> tuple[float, float]:
-    """Return the logarithms of the Bayes factor of some clocks against none, and of what they predict [nats]."""
+def _evidence(slopes: EffectSlopes, kept: list[int]) -> tuple[float, float]:
+    """Return the logarithms of the Bayes factor of some effects against none, and of what they predict [nats]."""
     if not kept:
         return 0.0, 0.0
-    at = np.array(kept)
-    gradient, information = slopes.gradient[:, at], slopes.information[:, at[:, None], at]
-    prior = np.eye(len(at)) / slopes.prior_std_s**2
-    total, precise = gradient.sum(axis=0), information.sum(axis=0) + prior
-    factor = 0.5 * total @ np.linalg.solve(precise, total)
-    factor -= 0.5 * np.linalg.slogdet(precise / prior[0, 0])[1]
+    at, unit = np.array(kept), slopes.prior_std[kept]
+    gradient, information = slopes.gradient[:, at] * unit, slopes.information[:, at[:, None], at]
+    information = information * np.outer(unit, unit)
+    total, precise = gradient.sum(axis=0), information.sum(axis=0) + np.eye(len(at))
+    factor = 0.5 * total @ np.linalg.solve(precise, total) - 0.5 * np.linalg.slogdet(precise)[1]
     predicted = 0.0
     for own, known in zip(gradient, information, strict=True):
-        late = np.linalg.solve(precise - known, total - own)
-        predicted += own @ late - 0.5 * late @ known @ late
+        found = np.linalg.solve(precise - known, total - own)
+        predicted += own @ found - 0.5 * found @ known @ found
     return float(factor), float(predicted)

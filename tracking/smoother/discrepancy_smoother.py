@@ -11,7 +11,7 @@ from copy import copy
 import numpy as np
 
 from arm.model import Arm, Floats
-from tracking.model.clocks import CLOCK_STD_S, moved_back
+from tracking.model.clocks import moved_back
 from tracking.model.course import Course, course_of
 from tracking.model.discrepancy import with_sizes
 from tracking.model.expected_readings import room_of
@@ -20,11 +20,12 @@ from tracking.model.initial_state import MountingPrior, start_state
 from tracking.model.observation import Observation, observation_of, other_clocks, rms_alike
 from tracking.model.process_noise import SMOOTHER_PUSH_STD
 from tracking.model.readings import Readings
-from tracking.smoother.clock_evidence import ClockSlopes, accepted, clock_slopes
+from tracking.smoother.clock_evidence import accepted, effect_slopes
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
 from tracking.smoother.consider_covariance import STRETCH_MEMORIES, Considered, consider
 from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
 from tracking.smoother.sensor_disagreement import disagreement, variance_by_lack
+from tracking.smoother.sensor_effects import information_of, late_and_loose
 from tracking.smoother.smoothed import SIGMAS, Smoothed, mend
 from tracking.smoother.smoother import state_before
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
@@ -127,22 +128,28 @@ class DiscrepancySmoother:
     ) -> DiscrepancyFit:
         """Return the fit with those clocks that the readings say differ; as it is if none does."""
         asked = other_clocks(self._arm)
-        base = fit.sizes.base_std > 0.0
-        dispersed = 1.0
-        if asked:
-            problem = fit.linearised
-            dispersed = max(
-                consider(problem, fit.sizes.memory_s).dispersion, disagreement(problem, self._housing).max()
-            )
-        while asked:
-            of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=asked)
-            late = copy(fit)
-            late.let_go(of, size, self._begin(of, size, readings, known, previous))
-            differ = accepted(_clock_slopes(fit, late, asked, dispersed))
-            if len(differ) == len(asked):
-                return likeliest([late], [0.0], count_round)
-            asked = tuple(asked[k] for k in differ)
-        return fit
+        if not asked:
+            return fit
+        problem, base = fit.linearised, fit.sizes.base_std > 0.0
+        found, course = problem.smoothed()[0], problem.course
+        effects, n_channel = late_and_loose(problem, found, self._housing, asked), course.noise.size
+        there = course.present[:, None]
+        slopes = effect_slopes(
+            found.error[:, :n_channel] * there,
+            found.precision[:, :n_channel] * there,
+            effects.slopes,
+            information_of(problem, found, effects),
+            effects.prior_std,
+            max(1, round(STRETCH_MEMORIES * fit.sizes.memory_s / course.dt)),
+            max(consider(problem, fit.sizes.memory_s).dispersion, disagreement(problem, self._housing).max()),
+        )
+        differ = tuple(asked[k] for k in accepted(slopes) if k < len(asked))
+        if not differ:
+            return fit
+        of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=differ)
+        late = copy(fit)
+        late.let_go(of, size, self._begin(of, size, readings, known, previous))
+        return likeliest([late], [0.0], count_round)
 
     def _begin(
         self, of: Observation, size: int, readings: Readings, known: Smoothed | None, previous: Smoothed | None
@@ -211,34 +218,6 @@ class DiscrepancySmoother:
         considered = consider(problem, fit.sizes.memory_s)
         larger = np.repeat(disagreement(problem, self._housing) - 1.0, 3)
         return considered, considered.variance + larger * variance_by_lack(problem)
-
-
-def _clock_slopes(
-    fit: DiscrepancyFit, late: DiscrepancyFit, asked: tuple[int, ...], dispersed: float
-) -> ClockSlopes:
-    """Return what a fit without clocks says of those of some sensors, which the same fit with clocks lets go."""
-    found = fit.linearised.smoothed()[0]
-    covariance = late.linearised.smoothed()[2]
-    of, course = late.of, late.course
-    columns = [int(of.clock_column[sensor]) for sensor in asked]
-    channels = [np.repeat(of.clock_column == column, 3) for column in columns]
-    most = max(int(own.sum()) for own in channels)
-
-    def shared(values: Floats) -> Floats:
-        each = np.zeros((len(values), len(channels), most))
-        for k, own in enumerate(channels):
-            each[:, k, : int(own.sum())] = values[:, : own.size][:, own]
-        return each
-
-    return clock_slopes(
-        shared(found.error * course.present[:, None]),
-        shared(found.precision * course.present[:, None]),
-        shared(course.drift),
-        covariance[np.ix_(columns, columns)],
-        CLOCK_STD_S,
-        max(1, round(STRETCH_MEMORIES * fit.sizes.memory_s / course.dt)),
-        dispersed,
-    )
 
 
 def _rest_at_every_frame(exact: Smoothed, course: Course) -> Floats:
