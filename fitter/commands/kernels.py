@@ -13,6 +13,7 @@ from fitter.data.gaps import Gap
 from fitter.data.motions import Measured
 from fitter.data.raw import RawRun
 from fitter.data.trials import to_trials
+from fitter.diagnosis.warm_up import warm_up as diagnosis_warm_up
 from fitter.dynamics.fit import fit_dynamics
 from fitter.limb.warm_up import warm_up as limb_warm_up
 from fitter.live import warm_up as live
@@ -25,11 +26,12 @@ _METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
 
 
 def compile_all() -> None:
-    """Calibrate and track an arm of no interest, from a stream and from files.
+    """Calibrate, diagnose and track an arm of no interest, from a stream and from files.
 
     What tracks comes last: `limbd compile` beside it begins there, and nothing is compiled twice.
     """
     limb_warm_up()
+    diagnosis_warm_up()
     arm = load_arm("dd-arm")
     rng = np.random.default_rng(0)
     sensors = Sensors(arm, draw_sensor_errors(arm, rng), _BENCH.rate_hz, rng)

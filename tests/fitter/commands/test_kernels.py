@@ -10,16 +10,17 @@ from fitter.data.gaps import find_gaps
 def test_every_way_is_gone_with_motion_gap_and_measured_torque(monkeypatch: pytest.MonkeyPatch) -> None:
     gone: list[tuple[object, ...]] = []
     monkeypatch.setattr(kernels, "limb_warm_up", lambda: gone.append(("limb",)))
+    monkeypatch.setattr(kernels, "diagnosis_warm_up", lambda: gone.append(("diagnosis",)))
     monkeypatch.setattr(kernels.live, "warm_up", lambda: gone.append(("live",)))
     monkeypatch.setattr(kernels, "fit_dynamics", lambda *a, **b: gone.append(("fit", *a, b)))
     monkeypatch.setattr(kernels, "track_run", lambda *a: gone.append(("track", *a)))
     kernels.compile_all()
-    assert [one[0] for one in gone] == ["limb", "fit", "live", "track", "track", "track"]
-    _, arm, trials, options = gone[1]
+    assert [one[0] for one in gone] == ["limb", "diagnosis", "fit", "live", "track", "track", "track"]
+    _, arm, trials, options = gone[2]
     assert arm.control.law == "measured" and options == {"seed": 0, "examine": False}
     assert len(trials) == 1 and np.ptp(trials[0].q, axis=0).min() > 0.01 and trials[0].tau is not None
-    assert {one[5] for one in gone[3:]} == {"integrate", "filter", "smooth"}
-    for _, run, _, start, rate_hz, _ in gone[3:]:
+    assert {one[5] for one in gone[4:]} == {"integrate", "filter", "smooth"}
+    for _, run, _, start, rate_hz, _ in gone[4:]:
         dt_s, gaps = find_gaps(run.t)
         assert gaps == run.gaps and len(gaps) == 1 and run.lost > 0
         assert run.rate_hz == pytest.approx(1.0 / dt_s) and 0.0 < rate_hz <= run.rate_hz
