@@ -209,7 +209,7 @@ class Shapes:
             band_hz,
             0.0,
             0.0,
-            *np.zeros((3, len(t))),
+            *np.zeros((4, len(t))),
         )
         parts = [seen(rows, -0.5 * step_s, *pair, reach_s=1.0 / band_hz) for pair in pairs]
         self.before = np.array([n - first for first, _ in parts])

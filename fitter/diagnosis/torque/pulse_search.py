@@ -7,11 +7,10 @@ import scipy
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED, TINY
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import (
-    DURATION_RATIO,
     FORMS,
     SHORTEST_ROWS,
     Pulse,
@@ -20,7 +19,8 @@ from fitter.diagnosis.torque.pulse import (
     in_rows,
     seen,
 )
-from fitter.diagnosis.torque.rests import outside, unseen_s
+from fitter.diagnosis.torque.pulse_errors import place_errors
+from fitter.diagnosis.torque.rests import amid, outside
 from limbcal.compiled import compiled
 
 
@@ -125,12 +125,12 @@ class Search:
         for _ in range(2):
             start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
             start_s, duration_s = outside(self.rows, start_s, duration_s, size)
+            start_s, duration_s, before, after = amid(self.rows, start_s, duration_s, size)
             remaining = r - size * in_rows(self.rows, start_s, duration_s, form)
             kalman = self.kalman.weighted(remaining, self.nu)
         ratio = _log_ratio(kalman.innovations(remaining), self._innovations(r), self.nu)
-        ends = (start_s, -1), (start_s + duration_s, 1)
-        before, after = (unseen_s(self.rows, at, way, size) for at, way in ends)
-        covariance, places = self._errors(kalman, start_s, duration_s, form, size, (before, after))
+        place = start_s, duration_s, form
+        covariance, places = place_errors(self.rows, kalman, self.nu, place, size, (before, after))
         slope = np.array([0.0, size, duration_s])  # of the impulse
         impulse_std = float(np.sqrt(slope @ covariance @ slope))
         start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))
@@ -187,41 +187,6 @@ class Search:
         begun = [near, sought(near, missed)] if missed > EQUAL_SIGMAS else [near]
         place = max((sought(one, 1.0) for one in begun), key=lambda one: at(one, 1.0)[0])
         return *place, at(place, 1.0)[1]
-
-    def _errors(
-        self,
-        kalman: Filter,
-        start_s: float,
-        duration_s: float,
-        form: str,
-        size: float,
-        unseen: tuple[float, float],
-        part: float = 0.05,
-    ) -> tuple[Floats, float]:
-        """Return the covariance of start, duration and size, (3, 3), and the logarithm of the likelihood's volume.
-
-        Both by Fisher's information of Student's location. ``unseen`` says how long nothing is known of either
-        end [s]. The volume is in units of the places that are sought,
-        times the unit of the size, by Laplace.
-        Slopes are taken over a ``part`` of the duration.
-        """
-        step, rows = part * duration_s, self.rows
-        ends = [(s, d) for s in (-step, step) for d in (0.0,)] + [(0.0, -step), (0.0, step)]
-        moved = [in_rows(rows, start_s + s, duration_s + d, form) for s, d in ends]
-        columns = [
-            size * (moved[1] - moved[0]) / (2.0 * step),
-            size * (moved[3] - moved[2]) / (2.0 * step),
-            in_rows(rows, start_s, duration_s, form),
-        ]
-        J = np.stack([kalman.innovations(column) for column in columns], axis=1)
-        information = (self.nu + 1.0) / (self.nu + 3.0) * J.T @ J
-        # Either end is uniform where nothing tells whether the push acts, else within the longest duration.
-        for end, span in zip(([1.0, 0.0, 0.0], [1.0, 1.0, 0.0]), unseen, strict=True):
-            information += 12.0 / (span or LONGEST_PULSE_S) ** 2 * np.outer(end, end)
-        information += np.diag([0.0, 0.0, TINY])
-        place = rows.step_s * duration_s * float(np.log(DURATION_RATIO))
-        volume = 1.5 * np.log(2.0 * np.pi) - 0.5 * np.linalg.slogdet(information)[1] - np.log(place)
-        return np.asarray(np.linalg.inv(information)), float(volume)
 
 
 @compiled

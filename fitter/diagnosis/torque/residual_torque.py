@@ -86,6 +86,7 @@ class ResidualTorque:
             angle_noise,
             *(means(one[:, joint]) for one in (self.friction, self.turning)),
             means(reversing),
+            means(self.r[:, joint]),
         )
         return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
 

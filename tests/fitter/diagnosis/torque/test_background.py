@@ -21,7 +21,8 @@ def rows(r: np.ndarray, known: np.ndarray | None = None) -> Rows:
     t = 0.02 * np.arange(n)
     known = np.ones(n, dtype=bool) if known is None else known
     reversing = (np.arange(n) % 7 == 0).astype(np.float64)
-    return Rows(t, r, known, np.cos(3.0 * t)[:, None], 1, 25.0, 0.005, 1e-6, *np.zeros((2, n)), reversing)
+    noises = 0.005, 1e-6, *np.zeros((2, n)), reversing, r
+    return Rows(t, r, known, np.cos(3.0 * t)[:, None], 1, 25.0, *noises)
 
 
 def covariance(model: Background, part: Rows) -> np.ndarray:
