@@ -4,7 +4,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from fitter.diagnosis.least_squares import SIGMAS
-from fitter.diagnosis.torque.background import Rows
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 
 
 def excludes(rows: Rows, torque_N_m: float) -> NDArray[np.bool_]:
@@ -54,7 +54,11 @@ def amid(rows: Rows, start_s: float, duration_s: float, torque_N_m: float) -> tu
 
     Unchanged if it would be over.
     """
-    first, last = (unseen(rows, *end, torque_N_m) for end in ((start_s, -1), (start_s + duration_s, 1)))
+    ends_s = start_s + duration_s
+    first, last = unseen(rows, start_s, -1, torque_N_m), unseen(rows, ends_s, 1, torque_N_m)
+    # What lasts longer is no pulse.
+    first = min(max(first[0], ends_s - LONGEST_PULSE_S), first[1]), first[1]
+    last = last[0], max(min(last[1], start_s + LONGEST_PULSE_S), last[0])
     begin_s, end_s = 0.5 * sum(first), 0.5 * sum(last)
     if end_s > begin_s:
         start_s, duration_s = begin_s, end_s - begin_s
