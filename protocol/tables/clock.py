@@ -57,11 +57,11 @@ class Clock:
             return np.empty(0)
         if not self._begun:
             self._begin(stamps)
-        if stamps.dtype.kind in "iu":
-            counted: NDArray[np.generic] = stamps.astype(np.int64) - np.int64(self.origin)
-        else:
-            counted = stamps.astype(np.float64) - float(self.origin)
-        return np.asarray(counted, dtype=np.float64) * self._length
+        if stamps.dtype.kind in "iu" and self.origin:
+            # Modulo 2^64 a difference is exact, of stamps with and without a sign.
+            counted = stamps.astype(np.uint64) - np.uint64(self.origin % 2**64)
+            return counted.astype(np.int64).astype(np.float64) * self._length
+        return (stamps.astype(np.float64) - float(self.origin)) * self._length
 
     def _begin(self, stamps: NDArray[np.generic]) -> None:
         self._begun = True

@@ -87,3 +87,14 @@ def test_a_single_stamp_and_none_tell_no_unit():
     assert clock.seconds(np.array([1_000_000])).tolist() == [1e6] and not clock.unit
     assert Clock().seconds(np.array([0, 1, 2])).tolist() == [0.0, 1.0, 2.0]  # a second apart: seconds
     assert np.isnan(Clock().seconds(np.array([np.nan, 1.0]))[0])
+
+
+LARGE = [(2**63 + 5, np.uint64), (2**64 - 4000, np.uint64), (-(2**62), np.int64)]
+
+
+@pytest.mark.parametrize(("first", "kind"), LARGE)
+def test_stamps_of_all_of_64_bits_are_counted_from_the_first(first: int, kind: type[np.integer]):
+    stamps = np.array([first + 1000 * k for k in range(4)], dtype=kind)
+    clock = Clock()
+    np.testing.assert_allclose(np.diff(clock.seconds(stamps)), 1e-3)
+    assert clock.origin == first and clock.unit == "us"
