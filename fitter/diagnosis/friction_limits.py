@@ -39,8 +39,10 @@ class _Windows:
         The middle sample.
     samples : (n_weighed,) int
         Those that make the rows.
-    average : (n, n_weighed)
-        Weights by which they make each, signed.
+    first, last : (n,) int
+        Of these: each row is a mean from the one to before the other…
+    way : (n,)
+        … with this sign.
     forward : (n,) bool
         Whether it is the limit of friction against a motion forward.
     static : (n,)
@@ -52,7 +54,9 @@ class _Windows:
     joint: NDArray[np.intp]
     at: NDArray[np.intp]
     samples: NDArray[np.intp]
-    average: Floats
+    first: NDArray[np.intp]
+    last: NDArray[np.intp]
+    way: Floats
     forward: NDArray[np.bool_]
     static: Floats
     unit: Floats
@@ -208,11 +212,10 @@ class FrictionLimits:
             columns = hypothetical.equations(self._equations.independent(hypothetical.arm), own.samples)
             target = hypothetical.target(self._equations.known, own.samples)
             both = np.concatenate([columns, target[..., None]], axis=2)
-            side = np.empty((len(own.joint), both.shape[2]))
-            for j in range(both.shape[1]):
-                side[own.joint == j] = own.average[own.joint == j] @ both[:, j]
-            sides.append(side)
-        rows = np.where(own.forward[:, None], *sides) * own.unit[:, None]
+            sums = np.concatenate([np.zeros((1, *both.shape[1:])), np.cumsum(both, axis=0)])
+            sides.append(sums[own.last, own.joint] - sums[own.first, own.joint])
+        weight = own.way * own.unit / (own.last - own.first)
+        rows = np.where(own.forward[:, None], *sides) * weight[:, None]
         return _Limits(own.joint, rows[:, :-1], rows[:, -1], own.static * own.unit)
 
 
@@ -232,29 +235,32 @@ def _windows(motion: Motion, weighting: Weighting, part: float) -> _Windows:
     """Return a motion's windows; with a torque that changes quickly the breakaway torque is uncertain."""
     n, n_joint = motion.u.shape
     size = _instant(weighting, motion.dt_s)
-    rows: list[tuple[int, int, Floats, bool, float, float]] = []
+    rows: list[tuple[int, int, int, int, float, bool, float, float]] = []
     longest, cut = max(1, round(2.0 * LASTS_S / motion.dt_s)), max(1, round(RISE_S / motion.dt_s))
     for j in range(n_joint):
         for rest in inner_rests(motion.stuck[:, j], motion.dt_s):
             n_part = -(-(rest.stop - rest.start) // longest)
             for samples in np.array_split(np.arange(rest.start, rest.stop), n_part):
-                mean = np.bincount(samples, minlength=n) / len(samples)
-                middle = int(samples[len(samples) // 2])
-                rows += [(j, middle, way * mean, way > 0.0, 1.0, size[j]) for way in (1.0, -1.0)]
+                part_of = int(samples[len(samples) // 2]), int(samples[0]), int(samples[-1]) + 1
+                rows += [(j, *part_of, way, way > 0.0, 1.0, size[j]) for way in (1.0, -1.0)]
             end = rest.stop + cut
             way = float(motion.direction[end, j]) if end < n else 0.0
             if way:
-                mean = np.bincount(np.arange(rest.stop, end), minlength=n) / cut
                 changes = 0.5 * float(np.ptp(motion.u[rest.stop - cut : end + cut, j]))
-                rows.append((j, rest.stop, -way * mean, way > 0.0, -1.0, float(np.hypot(size[j], changes))))
-    joint, at, average, forward, static, std = zip(*rows, strict=True) if rows else ((),) * 6
-    weights = np.array(average, dtype=np.float64).reshape(len(rows), n)
-    samples = np.flatnonzero(np.any(weights, axis=0))
+                noise = float(np.hypot(size[j], changes))
+                rows.append((j, rest.stop, rest.stop, end, -way, way > 0.0, -1.0, noise))
+    joint, at, first, last, ways, forward, static, std = zip(*rows, strict=True) if rows else ((),) * 8
+    needed = np.zeros(n, dtype=np.bool_)
+    for begin, stop in zip(first, last, strict=True):
+        needed[begin:stop] = True
+    samples = np.flatnonzero(needed)
     return _Windows(
         np.array(joint, dtype=np.intp),
         np.array(at, dtype=np.intp),
         samples,
-        weights[:, samples],
+        np.searchsorted(samples, np.array(first, dtype=np.intp)),
+        np.searchsorted(samples, np.array(last, dtype=np.intp)),
+        np.array(ways, dtype=np.float64),
         np.array(forward, dtype=np.bool_),
         np.array(static, dtype=np.float64),
         np.sqrt(part) / np.array(std, dtype=np.float64),
