@@ -126,7 +126,9 @@ class Search:
             start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
             start_s, duration_s = outside(self.rows, start_s, duration_s, size)
             start_s, duration_s, before, after = amid(self.rows, start_s, duration_s, size)
-            remaining = r - size * in_rows(self.rows, start_s, duration_s, form)
+            column = in_rows(self.rows, start_s, duration_s, form)
+            size = _ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1]
+            remaining = r - size * column
             kalman = self.kalman.weighted(remaining, self.nu)
         ratio = _log_ratio(kalman.innovations(remaining), self._innovations(r), self.nu)
         place = start_s, duration_s, form

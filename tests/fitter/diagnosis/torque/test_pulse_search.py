@@ -8,7 +8,7 @@ import scipy.optimize
 import scipy.stats
 
 from fitter.diagnosis.torque.background import Background
-from fitter.diagnosis.torque.pulse import without
+from fitter.diagnosis.torque.pulse import in_rows, without
 from fitter.diagnosis.torque.pulse_search import Search, _ratio
 from tests.fitter.diagnosis.torque.residuals import filtered_pulse, finer, trial
 
@@ -101,3 +101,14 @@ def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration
     first = next(Search(0, 0, rows, noise.filtered(rows), noise.degrees_of_freedom, 0.2).found(LEAST_NATS))
     assert first.start_s == pytest.approx(start_s, abs=0.02)
     assert first.impulse == pytest.approx(4.0 * duration_s, rel=0.05)
+
+
+@pytest.mark.parametrize("form", ["rectangular", "bell"])
+def test_the_size_of_a_pulse_whose_start_is_unseen_is_that_of_where_it_is_put(form):
+    rows = trial(np.random.default_rng(4), [(2.0, 0.4, 1.6, form)]).rows(0)
+    rows.known[(rows.t > 1.0) & (rows.t < 2.2)] = False
+    one = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    first = next(one.found(LEAST_NATS))
+    column = in_rows(rows, first.start_s, first.duration_s, first.form)
+    e, s = (one.kalman.innovations(part) for part in (rows.r, column))
+    assert first.torque_N_m == pytest.approx(_ratio(e, s, MODEL.degrees_of_freedom)[1], rel=0.05)
