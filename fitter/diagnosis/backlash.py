@@ -49,8 +49,8 @@ class BacklashPath:
         """Return by how much the link's angle differs from the motor's, not filtered, (n_whole,)."""
         sideways, noise = -0.5 * gap * self.coasting.side, SIGMAS * self.shaking
         within = gap**2 / 12.0  # variance of what is uniform within the gap
-        trust = within / (within + self.shaking**2 * self.coasting.variance)
-        off = np.where(self._bridged(gap), sideways + trust * self.coasting.bridge, sideways)
+        weight = within / (within + self.shaking**2 * self.coasting.variance)
+        off = np.where(self._bridged(gap), sideways + weight * self.coasting.bridge, sideways)
         return np.clip(off, -0.5 * gap - noise, 0.5 * gap + noise)
 
     def _bridged(self, gap: float) -> NDArray[np.bool_]:
