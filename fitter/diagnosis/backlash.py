@@ -8,7 +8,9 @@ from numpy.typing import NDArray
 from arm.model import Arm, Floats
 from fitter.data.derivatives import both_derivatives, lowpass
 from fitter.data.trial import Trial
+from fitter.diagnosis.contacts import Motor
 from fitter.diagnosis.cutoff import white_noise
+from fitter.diagnosis.free_link import FreeLink, weightless
 from fitter.diagnosis.least_squares import SIGMAS
 from fitter.diagnosis.link_coasting import Coasting, coasting
 from fitter.diagnosis.motion import Motion, sharp_torque
@@ -50,18 +52,22 @@ class BacklashPath:
         sideways, noise = -0.5 * gap * self.coasting.side, SIGMAS * self.shaking
         within = gap**2 / 12.0  # variance of what is uniform within the gap
         weight = within / (within + self.shaking**2 * self.coasting.variance)
-        off = np.where(self._bridged(gap), sideways + weight * self.coasting.bridge, sideways)
+        off = sideways + self._credible(gap) * weight * self.coasting.bridge
         return np.clip(off, -0.5 * gap - noise, 0.5 * gap + noise)
 
-    def _bridged(self, gap: float) -> NDArray[np.bool_]:
-        """Say where the link coasts along a bridge, (n_whole,)."""
+    def _credible(self, gap: float) -> Floats:
+        """Return how likely it is that a bridge is one and leads too far by its error alone, (n_whole,), 0 to 1.
+
+        It changes smoothly with the gap: a search by slopes would stop where a bridge is suddenly none.
+        """
         bridge = self.coasting.bridge
-        bridged: NDArray[np.bool_] = bridge != 0.0
-        edges = np.flatnonzero(np.diff(bridged, prepend=False, append=False))
-        off = np.abs(bridge - 0.5 * gap * self.coasting.side)
+        edges = np.flatnonzero(np.diff(bridge != 0.0, prepend=False, append=False))
+        too_far = np.abs(bridge - 0.5 * gap * self.coasting.side) - gap
+        sigmas = too_far / (self.shaking * np.sqrt(1.0 + self.coasting.variance))
+        credible = np.ones(len(bridge))
         for begin, end in zip(edges[::2], edges[1::2], strict=True):
-            bridged[begin:end] = off[begin:end].max() <= gap + 2.0 * SIGMAS * self.shaking
-        return bridged
+            credible[begin:end] = np.exp(-0.5 * max(sigmas[begin:end].max() - SIGMAS, 0.0) ** 2)
+        return credible
 
     @property
     def crosses(self) -> NDArray[np.bool_]:
@@ -88,8 +94,8 @@ class BacklashPath:
         return np.asarray(np.stack([smooth, *slopes])[:, inner][:, :: self.step], dtype=np.float64)
 
 
-def backlash_path(arm: Arm, motion: Motion, joint: int) -> BacklashPath:
-    """Return where in its gap the motor of a joint is along a motion."""
+def backlash_path(arm: Arm, motion: Motion, joint: int, link: FreeLink | None = None) -> BacklashPath:
+    """Return where in its gap the motor of a joint is along a motion, and what moves its link meanwhile."""
     trial = motion.trial
     angle = trial.whole.get("q", trial.q)[:, joint]
     torque = sharp_torque(arm, trial)[:, joint]
@@ -98,5 +104,7 @@ def backlash_path(arm: Arm, motion: Motion, joint: int) -> BacklashPath:
     step = max(1, round(motion.dt_s / trial.dt_s))
     starts = sorted({cut + round(at * step) for at, _, _ in motion.jumps})
     shaking, torque_noise = map(float, white_noise([np.stack([angle, torque], axis=1)]))
-    coasts = coasting(angle, torque, (shaking, torque_noise), starts, trial.dt_s)
-    return BacklashPath(coasts, shaking, trial, cut, step)
+    t = motion.t[0] + (np.arange(len(angle)) - cut) * trial.dt_s
+    own = weightless(t) if link is None else link.at(t)
+    motor = Motor(angle, torque, (shaking, torque_noise), starts, own, trial.dt_s)
+    return BacklashPath(coasting(motor), shaking, trial, cut, step)

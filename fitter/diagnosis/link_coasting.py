@@ -1,24 +1,25 @@
 """How a link moves while its motor crosses the gap of a backlash.
 
 The motor touches the side towards which it pulls. On its way across it passes on no torque, so the link coasts:
-its angle and velocity go on smoothly while the motor's do not. Between the instants at which the motor surely
-touched, the link's angle is the cubic that joins its angles and velocities there (Hermite). After a rest, in which
-the motor's place in its gap is unknown, the link begins to move at contact, and not before.
+its angle and velocity go on as gravity, the other joints and its friction make them, while the motor's do not. How
+it moved when the motor left and when that arrived is known from the angles beside the crossing, where it moved
+with the motor; what the coasting lacks between both is a cubic (Hermite). After a rest, in which the motor's place
+in its gap is unknown, the link begins to move at contact, and not before.
 """
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import NamedTuple
+from itertools import pairwise
 
 import numpy as np
-from scipy.ndimage import binary_erosion, gaussian_filter1d
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import BLOCK_S, EQUAL_SIGMAS, SIGMAS
+from fitter.diagnosis.contacts import CROSSING, FEW, Knot, Motor, Run
+from fitter.diagnosis.least_squares import EQUAL_SIGMAS, SIGMAS
 from fitter.diagnosis.whitening import LASTS_S
 
-#: The torque's sign is determined behind a Gaussian of this width [s]; within it a contact is not certain.
-WIDTH_S = 0.004
+#: Of a link whose place is known by one angle, and its velocity by what moved it.
+_BY_ONE_ANGLE = np.diag([1.0, 0.0])
 
 
 @dataclass(frozen=True)
@@ -40,157 +41,97 @@ class Coasting:
     side: Floats
 
 
-class End(NamedTuple):
-    """Angle and velocity of a link at an end of a crossing [rad], [rad a sample], their covariance, (2, 2)."""
-
-    angle: float
-    slope: float
-    covariance: Floats
-
-
-def contact_side(torque: Floats, noise: float, dt_s: float) -> Floats:
-    """Return the side that a motor touches, (n_sample,), 0 where it is not sure."""
-    width = max(WIDTH_S / dt_s, 0.5)
-    smooth = gaussian_filter1d(torque, width)
-    least = SIGMAS * noise / np.sqrt(2.0 * np.sqrt(np.pi) * width)
-    around = np.ones(2 * round(EQUAL_SIGMAS * width) + 1, dtype=np.bool_)
-    forwards, backwards = (binary_erosion(way * smooth > least, around, border_value=True) for way in (1.0, -1.0))
-    return forwards.astype(np.float64) - backwards
-
-
-def coasting(
-    angle: Floats,
-    torque: Floats,
-    noise: tuple[float, float],
-    starts: Sequence[int],
-    dt_s: float,
-    *,
-    wanders_s: float = 0.02,
-    slope_s: float = 0.03,
-    few: int = 5,
-    crossing: int = 2,
-) -> Coasting:
-    """Return how a link coasts while its motor crosses.
-
-    Parameters
-    ----------
-    angle, torque : (n_sample,)
-        Of the motor.
-    noise : (float, float)
-        Standard deviations of both in a sample.
-    starts : sequence of int
-        Samples at which some drive was suddenly asked for another torque: what rested, rested till then.
-    dt_s : float
-    wanders_s : float
-        A motor whose torque does not differ significantly from zero for this long may be anywhere in its play;
-        after a block's length its link is at rest.
-    slope_s : float
-        The link's velocity at an end of a crossing is that of a parabola through the angles of so long.
-    few : int
-        Samples that say whether an angle is still, or how it moves.
-    crossing : int
-        Samples that a motor takes to cross when nothing holds it.
-    """
-    shaking, torque_noise = noise
-    touching = contact_side(torque, torque_noise, dt_s)
-    for at in starts:  # a large jump is brought forward by more
-        touching[max(0, at - round(2 * EQUAL_SIGMAS * WIDTH_S / dt_s)) : at] = 0.0
-    bridge, variance, side = np.zeros((3, len(angle)))
-    sure = np.flatnonzero(touching)
-    if not len(sure):
-        return Coasting(bridge, variance, side)
-    sign = touching[sure]
-    side += sign[np.clip(np.searchsorted(sure, np.arange(len(angle)), side="right") - 1, 0, None)]
-    window, wanders, rests, still_for = (max(3, round(s / dt_s)) for s in (slope_s, wanders_s, BLOCK_S, LASTS_S))
-    away = np.diff(sure)
-    leaves = np.flatnonzero((away > wanders) | (np.diff(sign) != 0.0))
-    runs = np.concatenate([[0], leaves + 1, [len(sure)]])
-    for k, leave in enumerate([-1, *leaves]):
-        begin, end = int(sure[leave]) if k else 0, int(sure[leave + 1])
-        before, after = sign[leave] if k else 0.0, sign[leave + 1]
-        last = min(max(int(sure[runs[k + 1] - 1]), end + few), end + window, len(angle) - 1)
-        arrived = _at_end(angle[end : last + 1], few)
-        inner = [at for at in starts if begin + few <= at <= end]
-        started = [at for at in inner if np.std(angle[max(begin, at - still_for) : at]) < EQUAL_SIGMAS * shaking]
-        if started or not k or end - begin > rests:
-            start = max(started, default=begin)
-            end = max(end, min(start + crossing, len(angle) - 1)) if started else end
-            still, start, where, rest = _rest(
-                angle, torque, torque_noise, (begin, start, end), still_for, after, crossing
-            )
-            if k and not started:  # nothing says when it came to rest
-                still = max(begin, start - still_for)
-            settled = _rising(np.linspace(0.0, 1.0, max(still - begin, 0)))
-            bridge[begin:still] = settled * (where - angle[begin:still])
-            side[begin:still] = (before or rest) + (rest - (before or rest)) * settled
-            bridge[still:start], side[still:start] = where - angle[still:start], rest
-            # Where it rests is known by one angle: the one at which it is touched, or a mean.
-            variance[begin:start] = 1.0
-            left, begin, before = End(where, 0.0, np.diag([1.0, 0.0])), start, rest
-        else:
-            first = max(min(int(sure[runs[k - 1]]), begin - few), begin - window, 0)
-            left = _at_end(angle[first : begin + 1][::-1], few)
-            left = left._replace(slope=-left.slope, covariance=left.covariance * [[1.0, -1.0], [-1.0, 1.0]])
-        if end > begin:
-            share = (np.arange(begin, end + 1) - begin) / (end - begin)
-            side[begin : end + 1] = before + (after - before) * _rising(share)
-            # The last angle is the motor's, as all behind it are.
-            path, scatter = _hermite(share, end - begin, left, arrived._replace(angle=float(angle[end])))
-            bridge[begin : end + 1], variance[begin : end + 1] = path - angle[begin : end + 1], scatter
+def coasting(motor: Motor) -> Coasting:
+    """Return how a link coasts while its motor crosses."""
+    n = len(motor.angle)
+    bridge, variance, side = np.zeros((3, n))
+    runs = motor.runs()
+    for run in runs:
+        side[run.first : run.last + 1] = run.side
+    for before, after in pairwise([None, *runs, None] if runs else []):
+        for left, right in pairwise(_known(motor, before, after)):
+            samples = slice(left.at if left else 0, right.at + 1 if right else n)
+            if samples.stop - samples.start > 1:
+                path, variance[samples], side[samples] = _between(motor, left, right, samples)
+                bridge[samples] = path - motor.angle[samples]
     return Coasting(bridge, variance, side)
 
 
-def _rest(
-    angle: Floats,
-    torque: Floats,
-    noise: float,
-    span: tuple[int, int, int],
-    still_for: int,
-    after: float,
-    crossing: int,
-) -> tuple[int, int, float, float]:
-    """Return from which sample a link was still, until when, its motor's angle then, and the side it was at.
+def _known(motor: Motor, before: Run | None, after: Run | None) -> list[Knot | None]:
+    """Return what is known between two contacts, ends included; a trial may begin or end with none.
 
-    ``span`` is when the motor left a side, was asked to start, and touched the side ``after``. A torque, small but
-    steady, that friction holds determines the side. Otherwise the motor was within its gap, and the link moves
-    when it is touched.
+    A motor that is suddenly asked for a torque crosses at once. From its touch on it accelerates the link evenly
+    until it is seen to have arrived.
     """
-    begin, start, end = span
-    still = max(begin, start - still_for)
-    mean = float(torque[still:start].mean()) if start > still else 0.0
-    if abs(mean) > SIGMAS * noise / np.sqrt(max(start - still, 1)):
-        return still, start, float(angle[still:start].mean()), float(np.sign(mean))
-    first = begin + int(np.argmax(np.abs(torque[begin : end + 1]) > SIGMAS * noise))
-    # `end` lies behind the touch by what was eroded, so no spike of noise long before it is taken for one.
-    touch = min(end, max(first, end - round(2 * EQUAL_SIGMAS * WIDTH_S / LASTS_S * still_for)) + crossing)
-    return still, touch, float(angle[touch]), after
+    left = motor.departure(before) if before else None
+    if after is None:
+        return [left, None]
+    begin, right = left.at if left else 0, motor.arrival(after)
+    sudden = [at for at in motor.starts if begin + FEW <= at <= right.at]
+    rests = (_rest(motor, left, begin, at) for at in reversed(sudden))  # a touch may be as sudden
+    rest = next((one for one in rests if one is not None), None)
+    free = rest or left
+    if not sudden or free is None:
+        return [left, right]
+    asked = rest.at if rest is not None else sudden[-1]
+    touch = min(max(right.at - motor.unsure, asked + CROSSING), right.at)
+    moved, slopes = motor.coasted(free, slice(free.at, touch + 1))
+    slope = float(slopes[-1])
+    angle = right.angle - 0.5 * (right.at - touch) * (right.slope + slope)
+    touched = Knot(touch, angle, slope, _BY_ONE_ANGLE, right.side)
+    if rest is None:
+        return [left, touched, right]
+    if not rest.side:  # it rests within its gap: where it has to be to arrive
+        rest = rest._replace(angle=angle - float(moved[-1] - moved[0]), side=right.side)
+    return [left, rest, touched, right]
 
 
-def _hermite(share: Floats, n: int, left: End, arrived: End) -> tuple[Floats, Floats]:
-    """Return the cubic over n samples with values and slopes of its ends, and its variance, (n_share,) each."""
-    across, rest = _rising(share), 1.0 - share
-    values, variances = np.zeros((2, len(share)))
-    for end, weights in (
-        (left, [1.0 - across, n * share * rest**2]),
-        (arrived, [across, -n * share**2 * rest]),
-    ):
-        of_end = np.stack(weights)
-        values += end.angle * of_end[0] + end.slope * of_end[1]
-        variances += np.sum(of_end * (end.covariance @ of_end), axis=0)
-    return values, variances
+def _rest(motor: Motor, left: Knot | None, begin: int, start: int) -> Knot | None:
+    """Return a link that rests until its motor is asked for a torque; None if it moves before.
+
+    A torque, small but steady, that friction holds determines the side. Otherwise it is 0: the motor is somewhere
+    within its gap, and so is its link.
+    """
+    lately = max(begin, start - round(LASTS_S / motor.dt_s))
+    if not _is_still(motor, lately, start):
+        return None
+    still = begin
+    if left is not None:
+        _, slopes = motor.coasted(left, slice(begin, start))
+        still += int(np.flatnonzero(slopes)[-1]) + 1 if np.any(slopes) else 0
+    samples = slice(still if _is_still(motor, still, start) else lately, start)
+    angle, torque = float(motor.angle[samples].mean()), motor.torque[samples]
+    is_held = abs(torque.mean()) > SIGMAS * motor.noise[1] / np.sqrt(len(torque))
+    return Knot(start, angle, 0.0, _BY_ONE_ANGLE, float(np.sign(torque.mean())) if is_held else 0.0)
 
 
-def _rising(share: Floats) -> Floats:
-    return np.asarray(share**2 * (3.0 - 2.0 * share), dtype=np.float64)
+def _is_still(motor: Motor, begin: int, end: int) -> bool:
+    return end > begin and float(np.std(motor.angle[begin:end])) < EQUAL_SIGMAS * motor.noise[0]
 
 
-def _at_end(angles: Floats, few: int) -> End:
-    """Return the first of some angles and the slope there: of a parabola, of few of a straight line."""
-    order = 2 if len(angles) > 2 * few else min(1, len(angles) - 1)
-    powers = np.vander(np.arange(len(angles), dtype=np.float64), order + 1, increasing=True)
-    inverse = np.linalg.pinv(powers)
-    fitted, covariance = np.zeros(2), np.zeros((2, 2))
-    n = min(order + 1, 2)
-    fitted[:n] = (inverse @ angles)[:n]
-    covariance[:n, :n] = (inverse @ inverse.T)[:n, :n]
-    return End(float(fitted[0]), float(fitted[1]), covariance)
+def _between(motor: Motor, left: Knot | None, right: Knot | None, samples: slice) -> tuple[Floats, Floats, Floats]:
+    """Return the link's path but for the gap, its variance, and the motor's side, between two knots."""
+    n = samples.stop - samples.start
+    if left is None:  # as it is found, or at rest
+        assert right is not None
+        t = np.arange(1.0 - n, 1.0)
+        return right.angle + right.slope * t, _variance(right, [np.ones(n), t]), np.full(n, right.side)
+    path, slopes = motor.coasted(left, samples)
+    if right is None:
+        moving = np.cumsum(slopes != 0.0)
+        variance = _variance(left, [np.ones(n), moving]) + motor.wander(samples) * moving**3 / 3.0
+        return path, variance, np.full(n, left.side)
+    share = np.arange(n) / (n - 1)
+    risen, rest = share**2 * (3.0 - 2.0 * share), 1.0 - share
+    at_left = [1.0 - risen, (n - 1) * share * rest**2]
+    at_right = [risen, -(n - 1) * share**2 * rest]
+    path += (right.angle - path[-1]) * at_right[0] + (right.slope - slopes[-1]) * at_right[1]
+    variance = _variance(left, at_left) + _variance(right, at_right)
+    variance += motor.wander(samples) * ((n - 1) * share * rest) ** 3 / 3.0
+    return path, variance, left.side + (right.side - left.side) * risen
+
+
+def _variance(knot: Knot, weights: Sequence[Floats]) -> Floats:
+    """Return the variance of weighted sums (n_sample,) of a knot's angle and slope."""
+    both = np.stack(weights)
+    return np.asarray(np.sum(both * (knot.covariance @ both), axis=0), dtype=np.float64)

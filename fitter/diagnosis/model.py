@@ -4,7 +4,7 @@ A hypothesis is one effect at some joints, with numbers that are sought on a gri
 """
 
 from abc import ABC, abstractmethod
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from enum import IntEnum, auto
 
@@ -13,6 +13,7 @@ from numpy.typing import NDArray
 
 from arm.effects.effect import EffectKind
 from arm.model import Arm, Floats, JointType
+from fitter.diagnosis.free_link import FreeLink
 from fitter.diagnosis.least_squares import SLOPE
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 
@@ -124,6 +125,10 @@ class Hypothesis(ABC):
     def log_places(self, motions: Sequence[Motion]) -> float:
         """Return the logarithm of the number of places at which it is sought: values of psi, trials, moments."""
         return float(np.log(max(len(self.starts(motions)), 1)))
+
+    def follow(self, links: Callable[[Motion, int], FreeLink | None], motions: Sequence[Motion]) -> None:
+        """Take from a fitted model what moves a joint's link in a motion while no motor pulls on it."""
+        return None
 
     @abstractmethod
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import scipy
@@ -20,6 +21,7 @@ from fitter.diagnosis.evidence import (
 from fitter.diagnosis.extended_arm import possible_base
 from fitter.diagnosis.friction_limits import FrictionLimits
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
+from fitter.diagnosis.link_forces import free_link
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
@@ -243,6 +245,10 @@ class TorqueLikelihood:
     def reweigh(self, candidate: Candidate) -> None:
         """Weigh the equations by the sensors' noise under a model, and its floor."""
         own, weighted, self.floor = floored(self.regression, self._by_torque(candidate))
+        links = partial(free_link, self.regression.equations, candidate)
+        given = self.regression.equations.given.hypotheses
+        for one in dict.fromkeys((*given, *self._tried, *candidate.model.hypotheses)):
+            one.follow(links, self.regression.motions)
         anew = self.regression.weighted_by(weighted)
         anew.sensors = own
         anew.floor_part = part_of_floor(own, weighted)

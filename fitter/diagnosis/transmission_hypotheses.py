@@ -7,7 +7,7 @@ the twist. Friction acts on the link, which may still go one way while its motor
 
 import functools
 from abc import abstractmethod
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -18,6 +18,7 @@ from arm.model import Floats
 from fitter.data.derivatives import both_derivatives
 from fitter.diagnosis.backlash import BacklashPath, backlash_path
 from fitter.diagnosis.drive_hypotheses import lagging
+from fitter.diagnosis.free_link import FreeLink
 from fitter.diagnosis.least_squares import ROUNDED, TINY
 from fitter.diagnosis.model import ActionOrder, Hypothesis
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
@@ -55,6 +56,7 @@ class Backlash(TransmissionHypothesis):
     def __init__(self, kind: EffectKind, joints: Sequence[int]) -> None:
         super().__init__(kind, joints)
         self._known: dict[tuple[int, int], BacklashPath] = {}
+        self._links: dict[int, FreeLink | None] = {}
 
     @property
     def low(self) -> Floats:
@@ -80,10 +82,17 @@ class Backlash(TransmissionHypothesis):
             super().act(hypothetical, psi), guessed=hypothetical.guessed | self._play(hypothetical).crosses
         )
 
+    def follow(self, links: Callable[[Motion, int], FreeLink | None], motions: Sequence[Motion]) -> None:
+        """Let the link coast as a fitted model says."""
+        self._links = {motion.number: links(motion, self.joints[0]) for motion in motions}
+        self._known.clear()
+
     def _play(self, hypothetical: HypotheticalMotion) -> BacklashPath:
-        key = hypothetical.motion.number, len(hypothetical.motion.t)
+        motion = hypothetical.motion
+        key = motion.number, len(motion.t)
         if key not in self._known:
-            self._known[key] = backlash_path(hypothetical.arm, hypothetical.motion, self.joints[0])
+            link = self._links.get(motion.number)
+            self._known[key] = backlash_path(hypothetical.arm, motion, self.joints[0], link)
         return self._known[key]
 
     def numbers(self, psi: Floats, factors: Floats) -> Floats:

@@ -8,6 +8,8 @@ import pytest
 
 from fitter.data.trial import Trial
 from fitter.diagnosis.backlash import BacklashPath
+from fitter.diagnosis.contacts import Motor
+from fitter.diagnosis.free_link import FreeLink
 from fitter.diagnosis.link_coasting import Coasting, coasting
 
 DT = 0.002
@@ -21,7 +23,8 @@ def test_a_link_is_never_further_from_its_motor_than_half_the_gap(gap):
     shaking = 2e-4
     motor = 0.2 * (1.0 - np.exp(-T / 0.4)) + shaking * rng.normal(size=len(T))
     torque = np.where(T < 0.3, -5e-3, np.where(T > 1.7, 5e-3, 0.0)) + 1e-3 * rng.normal(size=len(T))
-    found = coasting(motor, torque, (shaking, 1e-3), [], DT)
+    link = FreeLink(T, np.ones(len(T)), np.zeros(len(T)), 0.0, 0.0, 0.0)
+    found = coasting(Motor(motor, torque, (shaking, 1e-3), [], link, DT))
     assert np.abs(found.bridge).max() > 0.005
     play = BacklashPath(replace(found, variance=np.zeros(len(T))), shaking, cast(Trial, None), 0, 1)
     off = play.off(gap)
