@@ -41,9 +41,10 @@ def smoothed(arm: Arm, one: Case) -> tuple[Smoothed, Linearised]:
     kept: list[Linearised] = []
 
     class Watched(DiscrepancySmoother):
-        def _claims(self, fit):
-            kept.append(fit.linearised)
-            return super()._claims(fit)
+        def _judged(self, fit):
+            judged = super()._judged(fit)
+            kept.append(judged.problem)
+            return judged
 
     found = Watched(arm, one.q[0], True).smooth(one.readings)
     return found, kept[-1]
