@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Floats
-from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
+from fitter.diagnosis.mass_determinants import determinant_slopes, log_determinant, solved_slopes
 from fitter.diagnosis.torque.pulses import find_pulses
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -24,3 +24,4 @@ def warm_up() -> None:
     masses = np.broadcast_to(np.eye(2), (3, 2, 2)).copy()
     log_determinant(masses, np.ones(3))
     solved_slopes(masses, np.ones((3, 2, 2, 1)))
+    determinant_slopes(masses, np.ones(3), np.ones((3, 2, 2, 1)))
