@@ -7,8 +7,10 @@ TEST_STAMP := $(VENV)/.installed-test
 BENCH_STAMP := $(VENV)/.installed-bench
 MUTATE_STAMP := $(VENV)/.installed-mutate
 KERNELS := $(VENV)/.kernels
+TESTS_READ := $(VENV)/.tests-read
 SAMPLE ?= 200
 SEED ?= 0
+TESTS := conftest.py $(shell find tests -name '*.py')
 SOURCES := $(shell find arm daemon fitter limbcal playback protocol reproduction tracking -name '*.py')
 
 .DEFAULT_GOAL := help
@@ -35,10 +37,17 @@ $(KERNELS): $(STAMP) $(SOURCES)
 	@($(BIN)/limbd compile && $(BIN)/limbplay compile) & others=$$!; trap "kill $$others" INT TERM; $(BIN)/fitter compile; fitter=$$?; wait $$others && exit $$fitter
 	@touch $@
 
+# pytest rewrites what tests assert and keeps that; each of its processes would rewrite all tests, at the same time.
+COLLECT := $(BIN)/python -m pytest --collect-only -qq
+$(TESTS_READ): $(TEST_STAMP) $(TESTS)
+	@$(COLLECT) tests/fitter tests/tracking >/dev/null &\
+	  $(COLLECT) --ignore tests/fitter --ignore tests/tracking >/dev/null; wait
+	@touch $@
+
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(TEST_STAMP) $(KERNELS) ## all tests, in three processes: many wait for a device
+test: $(TEST_STAMP) $(KERNELS) $(TESTS_READ) ## all tests, in three processes: many wait for a device
 	$(BIN)/python -m pytest -n 3 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures

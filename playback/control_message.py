@@ -8,6 +8,7 @@ from dataclasses import dataclass
 from limbcal.errors import ProtocolError
 from protocol.message import decode_payload, encode
 
+DEFAULT_CONTROL = "tcp://127.0.0.1:5773"
 REQUEST_LIMIT = 64 * 1024  # bytes; a request is some tens
 
 Value = int | float | bool

@@ -17,11 +17,17 @@ from fitter.diagnosis.warm_up import warm_up as diagnosis_warm_up
 from fitter.dynamics.fit import fit_dynamics
 from fitter.limb.warm_up import warm_up as limb_warm_up
 from fitter.live import warm_up as live
+from fitter.marker_diagnosis.warm_up import warm_up as marker_warm_up
+from fitter.reading_diagnosis.warm_up import warm_up as reading_warm_up
 from fitter.sensing.track import Method, track_run
+from tracking.model.readings import ReadingsBuilder
+from tracking.smoother.discrepancy_smoother import DiscrepancySmoother
 
 #: Of the readings that are tracked; a motion, and samples lost in it.
 _BENCH = Bench(rate_hz=2000.0, trial_s=2.0, learning=1, evaluating=0)
 _LOST_ROW, _LOST = 2000, 40
+#: Of the frames in which what the model lacks is sought, too.
+_DOUBTED_HZ = 50.0
 _METHODS: tuple[Method, ...] = ("integrate", "filter", "smooth")
 
 
@@ -31,7 +37,9 @@ def compile_all() -> None:
     What tracks comes last: `limbd compile` beside it begins there, and nothing is compiled twice.
     """
     limb_warm_up()
+    marker_warm_up()
     diagnosis_warm_up()
+    reading_warm_up()
     arm = load_arm("dd-arm")
     rng = np.random.default_rng(0)
     sensors = Sensors(arm, draw_sensor_errors(arm, rng), _BENCH.rate_hz, rng)
@@ -45,3 +53,6 @@ def compile_all() -> None:
     live.warm_up()
     for method in _METHODS:
         track_run(run, arm, motion.q[0], 1000.0, method)
+    builder = ReadingsBuilder(_BENCH.rate_hz, readings.shape[1], _DOUBTED_HZ)
+    builder.push(readings[:_LOST_ROW])
+    DiscrepancySmoother(arm, motion.q[0], True).smooth(builder.done())

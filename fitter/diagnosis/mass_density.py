@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
 from fitter.diagnosis.least_squares import ITERATIONS, ODDS_NATS, ROUNDED, SETTLED, Normal
-from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
+from fitter.diagnosis.mass_determinants import determinant_slopes, log_determinant, solved_slopes
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 
@@ -55,9 +55,8 @@ class _Masses:
 
     def score(self, x: Floats) -> Floats:
         """Return the weighted traces of M^-1 M_k by all factors, (n_factor,); 0 for those not kept."""
-        weighted = self.weight[:, None, None] * np.linalg.inv(self.at(x)).transpose(0, 2, 1)
         score = np.zeros(len(x))
-        score[self.kept] = weighted.ravel() @ self.slopes.reshape(-1, len(self.kept))
+        score[self.kept] = determinant_slopes(self.at(x), self.weight, self.slopes)
         return score
 
     def information(self, x: Floats) -> Floats:

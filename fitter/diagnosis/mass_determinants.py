@@ -73,6 +73,33 @@ def solved_slopes(masses: Floats, slopes: Floats) -> Floats:
 
 
 @compiled
+def determinant_slopes(masses: Floats, weight: Floats, slopes: Floats) -> Floats:
+    """Return the slopes of `log_determinant`, ``sum w tr M^-1 M_k``, (n_factor,), of what `solved_slopes` has."""
+    n, n_joint, _, n_factor = slopes.shape
+    M, inverse, found = np.empty((n_joint, n_joint)), np.empty((n_joint, n_joint)), np.zeros(n_factor)
+    for t in range(n):
+        M[:] = masses[t]
+        _eliminated(M)
+        for k in range(n_joint):
+            for i in range(n_joint):
+                rest = 1.0 if i == k else 0.0
+                for j in range(i):
+                    rest -= M[i, j] * inverse[j, k]
+                inverse[i, k] = rest
+            for i in range(n_joint - 1, -1, -1):
+                rest = inverse[i, k]
+                for j in range(i + 1, n_joint):
+                    rest -= M[i, j] * inverse[j, k]
+                inverse[i, k] = rest / M[i, i]
+        for i in range(n_joint):
+            for j in range(n_joint):
+                share = weight[t] * inverse[j, i]
+                for m in range(n_factor):
+                    found[m] += share * slopes[t, i, j, m]
+    return found
+
+
+@compiled
 def _eliminated(A: Floats) -> float:
     """Eliminate a matrix in place, A = L U without pivots, and return the least one.
 

@@ -1,10 +1,10 @@
-"""Going through the search for pushes, masses and coasting links on hardly any data, so that their kernels are compiled."""
+"""Going through the search for pushes, masses and coasting links on hardly any data, to compile their kernels."""
 
 import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.free_link import weightless
-from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
+from fitter.diagnosis.mass_determinants import determinant_slopes, log_determinant, solved_slopes
 from fitter.diagnosis.torque.pulses import find_pulses
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -22,7 +22,8 @@ def warm_up() -> None:
     torque = np.stack([np.sin(t), np.cos(t)], axis=1)
     known, still = np.ones(shape, dtype=np.bool_), np.zeros((2, *shape))
     find_pulses([ResidualTorque(t, r, known, torque, _BAND_HZ, *noises, *still)])
-    weightless(t).moved(slice(0, _ROWS), known[:, 0] * 1.0, 0.0, 0.0, _STEP_S)
+    weightless(t).moved(slice(0, _ROWS), r[:, 0], 0.0, 0.0, _STEP_S)
     masses = np.broadcast_to(np.eye(2), (3, 2, 2)).copy()
     log_determinant(masses, np.ones(3))
     solved_slopes(masses, np.ones((3, 2, 2, 1)))
+    determinant_slopes(masses, np.ones(3), np.ones((3, 2, 2, 1)))

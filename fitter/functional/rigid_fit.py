@@ -1,7 +1,7 @@
 """The pose of a rigid body that brings its points nearest to measured ones, for all frames at once.
 
-Least squares over rotations has a closed answer in the singular value decomposition of the 3 × 3 cross-dispersion
-(Kabsch 1976; Söderkvist and Wedin 1993). Points that were not seen in a frame have no weight there.
+Least squares over rotations has a closed answer in the 3 × 3 cross-dispersion (`nearest_rotation`; Kabsch 1976;
+Söderkvist and Wedin 1993). Points that were not seen in a frame have no weight there.
 """
 
 from dataclasses import dataclass
@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.functional.nearest_rotation import nearest_rotations
 
 #: Least rms distance of the seen points from the straight line nearest to them [m]. Skin lets a marker wander by
 #: some millimetres (Leardini et al. 2005); on points nearer to a line than that, the turn about the line is
@@ -98,15 +99,23 @@ def fit_poses(points_m: Floats, measured_m: Floats) -> Poses:
     dispersion = (
         np.einsum("nm,nmi,mj->nij", weight, world, local) - world_mean[:, :, None] * local_mean[:, None, :]
     )
-    own = np.einsum("nm,mi,mj->nij", weight, local, local) - local_mean[:, :, None] * local_mean[:, None, :]
-    U, _, Vt = np.linalg.svd(dispersion)
-    U[:, :, 2] *= np.sign(np.linalg.det(U) * np.linalg.det(Vt))[:, None]  # a rotation, not a mirror
-    R = U @ Vt
-    width = np.sqrt(np.maximum(np.linalg.eigvalsh(own)[:, :2].sum(axis=1), 0.0))
-    good = (seen.sum(axis=1) >= 3) & (width >= LEAST_WIDTH_M)
-    R = np.where(good[:, None, None], R, np.nan)
+    good = (seen.sum(axis=1) >= 3) & (_widths(local, seen) >= LEAST_WIDTH_M)
+    R = np.where(good[:, None, None], nearest_rotations(dispersion), np.nan)
     p = world_mean - np.einsum("nij,nj->ni", R, local_mean)
     residual = (
         np.einsum("nji,nmj->nmi", R, np.where(seen[..., None], measured_m, np.nan) - p[:, None, :]) - points_m
     )
     return Poses(R, p, residual)
+
+
+def _widths(local: Floats, seen: NDArray[np.bool_]) -> Floats:
+    """Return the rms distance of the seen points from the straight line nearest to them, (n_frame,).
+
+    Most frames show the same points.
+    """
+    together, which = np.unique(seen, axis=0, return_inverse=True)
+    weight = together / np.maximum(together.sum(axis=1, keepdims=True), 1)
+    mean = weight @ local
+    own = np.einsum("nm,mi,mj->nij", weight, local, local) - mean[:, :, None] * mean[:, None, :]
+    width: Floats = np.sqrt(np.maximum(np.linalg.eigvalsh(own)[:, :2].sum(axis=1), 0.0))
+    return width[which.ravel()]

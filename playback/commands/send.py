@@ -9,8 +9,7 @@ import zmq
 from limbcal.command import emit, show, to_json
 from limbcal.errors import ConfigError
 from playback.client import ask
-from playback.commands.serve import DEFAULT_CONTROL
-from playback.control_message import COMMANDS, Request, Value
+from playback.control_message import COMMANDS, DEFAULT_CONTROL, Request, Value
 from protocol.curve import load_client_key
 
 #: When an answer is given up [ms].

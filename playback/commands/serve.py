@@ -14,6 +14,7 @@ from limbcal.errors import ConfigError
 from limbcal.notify import notify
 from limbcal.real_time import PLAYER, ask_for_real_time
 from playback.commands.source_options import DEFAULT_ARM, add_source_arguments, open_source
+from playback.control_message import DEFAULT_CONTROL
 from playback.live import LivePlayer
 from playback.player import Player
 from playback.playhead import Clocks
@@ -23,7 +24,6 @@ from protocol.message import FRAMES
 from protocol.subscriber import Subscriber
 
 DEFAULT_ENDPOINT = "tcp://127.0.0.1:5772"
-DEFAULT_CONTROL = "tcp://127.0.0.1:5773"
 DEFAULT_LIVE = "tcp://127.0.0.1:5770"
 MAX_RATE_HZ = 1000.0
 

@@ -6,8 +6,9 @@ from pathlib import Path
 
 from limbcal.command import emit, show, to_json
 from limbcal.errors import ConfigError
-from playback.commands.serve import DEFAULT_CONTROL, DEFAULT_ENDPOINT, DEFAULT_LIVE
+from playback.commands.serve import DEFAULT_ENDPOINT, DEFAULT_LIVE
 from playback.commands.source_options import DEFAULT_ARM, add_source_arguments
+from playback.control_message import DEFAULT_CONTROL
 
 DEFAULT_PORT = 8780
 

@@ -11,7 +11,9 @@ from benchmarks.hidden_arms.hiding import Bench
 from tests.soak import Long
 
 #: Shorter than the benchmark, so that a case takes seconds.
-SHORT = Bench(trial_s=3.0, learning=3, evaluating=3)
+SHORT = Bench(trial_s=3.0, learning=2, evaluating=2)
+#: A period shows in more motions only.
+LONGER = Bench(trial_s=3.0, learning=3, evaluating=3)
 #: In standard errors; wider than an interval of 95 %, for which the benchmark counts the share.
 REACH = 3.5
 
@@ -22,17 +24,17 @@ def diagnosed(case: Case, folder: Path) -> Found:
 
 
 @pytest.mark.parametrize(
-    ("effect", "seed"),
+    ("effect", "seed", "bench"),
     [
-        ("quadratic_drag", 11),
-        ("cogging", 15),
-        ("payload", 17),
+        ("quadratic_drag", 11, SHORT),
+        ("cogging", 15, LONGER),
+        ("payload", 17, SHORT),
     ],
 )
-def test_a_hidden_effect_is_named(effect: str, seed: int, tmp_path: Path, long: Long) -> None:
+def test_a_hidden_effect_is_named(effect: str, seed: int, bench: Bench, tmp_path: Path, long: Long) -> None:
     if effect == "cogging" and not long.at_length:
         pytest.skip("a period that is sought takes half a minute: with --long")
-    case = draw_case(seed, "one", effect, SHORT)
+    case = draw_case(seed, "one", effect, bench)
     result = score(case.truth, diagnosed(case, tmp_path), REACH)
     assert result["right"], (result, case.truth["effects"])
     assert result["joint"], (result, case.truth["effects"])

@@ -27,7 +27,6 @@ with its response J to them (consider parameters; S. F. Schmidt, *Application of
 problems*, 1966); the rest is that with constants held.
 """
 
-from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -36,6 +35,7 @@ from numpy.typing import NDArray
 from arm.model import Floats
 from tracking.model.observation import ABSENT, MOUNTING, Observation
 from tracking.smoother.innovations import fill_innovations
+from tracking.smoother.linear_response import fill_misses, respond
 from tracking.smoother.linearised import Linearised
 
 #: Length of a stretch, in times that what the model lacks lasts: errors in two stretches have nothing in common.
@@ -157,29 +157,25 @@ def slopes_of(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> S
     """Return how readings depend on constants at some columns (n_constant,), with their units."""
     held = problem._replace(P0=_without(problem.P0, columns))
     miss, total = _innovations(held)
-    slopes = np.empty((*miss.shape, len(columns)))
-    for j, moved in enumerate(_each_moved(problem, held, columns, unit)):
-        slopes[:, :, j] = miss - _innovations(moved)[0]
-    return Slopes(miss, 1.0 / total, slopes)
+    more = np.empty((*miss.shape, len(columns)))
+    errors, noise = _moved(problem, columns, unit), np.zeros_like(more)
+    fill_misses(held.of, held.room, held.course, held.at, held.P0.copy(), errors, noise, more)
+    return Slopes(miss, 1.0 / total, -more)
 
 
 def responses_of(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Floats:
     """Return by how much the smoothed q, dq, ddq of every joint move for each unit, (n, 3 n_joint, n_constant)."""
     held = problem._replace(P0=_without(problem.P0, columns))
-    moving = slice(0, 3 * problem.n_joint)
-    motion = held.smoothed(with_variance=False)[0].states[:, moving]
-    response = np.empty((*motion.shape, len(columns)))
-    for j, moved in enumerate(_each_moved(problem, held, columns, unit)):
-        response[:, :, j] = moved.smoothed(with_variance=False)[0].states[:, moving] - motion
+    n, rows = len(problem.at), problem.course.noise.size + problem.n_joint
+    response = np.empty((n, 3 * problem.n_joint, len(columns)))
+    errors, noise = _moved(problem, columns, unit), np.zeros((n, rows, len(columns)))
+    respond(held.of, held.room, held.course, held.at, held.P0.copy(), errors, noise, response)
     return response
 
 
-def _each_moved(
-    problem: Linearised, held: Linearised, columns: NDArray[np.intp], unit: Floats
-) -> Iterator[Linearised]:
-    """Yield the problem with constants held, one of them after the other a unit further."""
-    for step in np.diag(unit):
-        yield held._replace(x0=held.x0 + _shift(problem.P0, columns, step))
+def _moved(problem: Linearised, columns: NDArray[np.intp], unit: Floats) -> Floats:
+    """Return by how much the state before the first reading moves for each unit, (n_state, n_constant)."""
+    return np.ascontiguousarray(_shift(problem.P0, columns, np.diag(unit)).T)
 
 
 def dispersion(score: Floats, information: Floats, known: Floats) -> float:
@@ -214,9 +210,9 @@ def _without(P: Floats, columns: NDArray[np.intp]) -> Floats:
 
 
 def _shift(P: Floats, columns: NDArray[np.intp], by: Floats) -> Floats:
-    """Return by how much a state moves whose constants do (n_constant,): with them what goes with them."""
+    """Return by how much a state moves whose constants do (…, n_constant): with them what goes with them."""
     step: Floats = by @ _regression(P, columns)
-    step[columns] = by
+    step[..., columns] = by
     return step
 
 

@@ -7,6 +7,7 @@ for which little but gravity is believed.
 
 from collections.abc import Callable
 from copy import copy
+from typing import NamedTuple
 
 import numpy as np
 
@@ -24,6 +25,7 @@ from tracking.smoother.clock_evidence import accepted, effect_slopes
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
 from tracking.smoother.consider_covariance import STRETCH_MEMORIES, Considered, consider
 from tracking.smoother.discrepancy_fit import Begin, DiscrepancyFit, before, departure, likeliest
+from tracking.smoother.linearised import Linearised
 from tracking.smoother.sensor_disagreement import disagreement, variance_by_lack
 from tracking.smoother.sensor_effects import information_of, late_and_loose
 from tracking.smoother.smoothed import SIGMAS, Smoothed, mend
@@ -34,6 +36,23 @@ from tracking.smoother.smoothing_pass import pass_of, smooth_once
 MEMORIES_S = (0.03, 0.1, 0.3)
 #: Log-odds at which the base is held to move: a hundred to one.
 _ODDS_NATS = float(np.log(100.0))
+
+
+class Judged(NamedTuple):
+    """What a fit's claims rest on.
+
+    Attributes
+    ----------
+    problem : Linearised
+        The recording along the motion that was found.
+    considered : Considered
+    larger : (n_joint,)
+        By how many times what the model lacks varies more than is held.
+    """
+
+    problem: Linearised
+    considered: Considered
+    larger: Floats
 
 
 class DiscrepancySmoother:
@@ -106,8 +125,8 @@ class DiscrepancySmoother:
             sizes = known.discrepancy
             fits = [fit(sizes.base_std > 0.0, sizes.memory_s, begin) for begin in begins]
             best = likeliest(fits, [0.0] * len(fits), count_round)
-            best = self._with_late_clocks(best, readings, known, previous, count_round)
-            return self._smoothed(best, course, stride, rounds, until)
+            best, judged = self._with_late_clocks(best, readings, known, previous, count_round)
+            return self._smoothed(best, judged, course, stride, rounds, until)
         moves = [False, True] if len({sensor.joint for sensor in self._arm.sensors}) > 1 else [False]
         kinds = [(base, begin) for base in moves for begin in begins]  # what one link's sensors share is its own
         fits = [fit(base, MEMORIES_S[1], begin) for base, begin in kinds]
@@ -115,8 +134,8 @@ class DiscrepancySmoother:
         base, begin = kinds[fits.index(best)]
         others = [fit(base, memory_s, begin) for memory_s in (MEMORIES_S[0], MEMORIES_S[2])]
         best = likeliest([best, *others], [0.0] * 3, count_round)
-        best = self._with_late_clocks(best, readings, known, previous, count_round)
-        return self._smoothed(best, course, stride, rounds, until)
+        best, judged = self._with_late_clocks(best, readings, known, previous, count_round)
+        return self._smoothed(best, judged, course, stride, rounds, until)
 
     def _with_late_clocks(
         self,
@@ -125,12 +144,12 @@ class DiscrepancySmoother:
         known: Smoothed | None,
         previous: Smoothed | None,
         count_round: Callable[[], None],
-    ) -> DiscrepancyFit:
+    ) -> tuple[DiscrepancyFit, Judged]:
         """Return the fit with those clocks that the readings say differ; as it is if none does."""
-        asked = other_clocks(self._arm)
+        asked, judged = other_clocks(self._arm), self._judged(fit)
         if not asked:
-            return fit
-        problem, base = fit.linearised, fit.sizes.base_std > 0.0
+            return fit, judged
+        problem, base = judged.problem, fit.sizes.base_std > 0.0
         found, course = problem.smoothed()[0], problem.course
         effects, n_channel = late_and_loose(problem, found, self._housing, asked), course.noise.size
         there = course.present[:, None]
@@ -141,15 +160,16 @@ class DiscrepancySmoother:
             information_of(problem, found, effects),
             effects.prior_std,
             max(1, round(STRETCH_MEMORIES * fit.sizes.memory_s / course.dt)),
-            max(consider(problem, fit.sizes.memory_s).dispersion, disagreement(problem, self._housing).max()),
+            max(judged.considered.dispersion, judged.larger.max()),
         )
         differ = tuple(asked[k] for k in accepted(slopes) if k < len(asked))
         if not differ:
-            return fit
+            return fit, judged
         of, size = observation_of(self._arm, self._sought, base, lack=True, clocks=differ)
         late = copy(fit)
         late.let_go(of, size, self._begin(of, size, readings, known, previous))
-        return likeliest([late], [0.0], count_round)
+        late = likeliest([late], [0.0], count_round)
+        return late, self._judged(late)
 
     def _begin(
         self, of: Observation, size: int, readings: Readings, known: Smoothed | None, previous: Smoothed | None
@@ -164,7 +184,7 @@ class DiscrepancySmoother:
         return x, P
 
     def _smoothed(
-        self, fit: DiscrepancyFit, course: Course, stride: int, rounds: int, until: int | None
+        self, fit: DiscrepancyFit, judged: Judged, course: Course, stride: int, rounds: int, until: int | None
     ) -> Smoothed:
         """Return the motion at every frame."""
         of, start = fit.of, before(fit.of, fit.start, fit.sizes)
@@ -176,14 +196,15 @@ class DiscrepancySmoother:
             at = finer(fit.found.states, len(course.readings), stride)
         else:
             course, at = fit.course, fit.found.states
-        considered, more = self._claims(fit)
+        considered = judged.considered
+        more = considered.variance + np.repeat(judged.larger - 1.0, 3) * variance_by_lack(judged.problem)
         x0, P0 = considered.held(*start)
         found, room = pass_of(of, course, fit.size), room_of(self._arm.n_joint)
         x, P = x0.copy(), P0.copy()
         smooth_once(of, room, course, at, x, P, found, True)
         mend(found.variance)
         found.variance[:, : more.shape[1]] += finer(more, len(at), stride) if stride > 1 else more
-        P = considered.added_to(P, fit.linearised.smoothed(with_variance=False)[2])
+        P = considered.added_to(P, judged.problem.smoothed(with_variance=False)[2])
         late = fit.clocks.found(x, P)
         if until is not None:
             x, P = state_before(until, of, course, at, x0, P0)
@@ -209,15 +230,9 @@ class DiscrepancySmoother:
             clocks=late,
         )
 
-    def _claims(self, fit: DiscrepancyFit) -> tuple[Considered, Floats]:
-        """Return what is known of constants, and what they and sensors that disagree add to the variance.
-
-        To that of a motion with constants held; (n, 3 n_joint), of coarse frames.
-        """
+    def _judged(self, fit: DiscrepancyFit) -> Judged:
         problem = fit.linearised
-        considered = consider(problem, fit.sizes.memory_s)
-        larger = np.repeat(disagreement(problem, self._housing) - 1.0, 3)
-        return considered, considered.variance + larger * variance_by_lack(problem)
+        return Judged(problem, consider(problem, fit.sizes.memory_s), disagreement(problem, self._housing))
 
 
 def _rest_at_every_frame(exact: Smoothed, course: Course) -> Floats:

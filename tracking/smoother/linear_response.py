@@ -1,19 +1,21 @@
-"""How a smoothed motion answers to errors of its readings and of what was known before: many draws at once.
+"""How a smoothed motion answers to errors of its readings and of what was known before: many of them at once.
 
 The smoother's gains depend on where the readings are linearised, not on the readings. What it makes of an error is
 therefore one and the same linear map of every error, and draws of the errors, carried through that map side by
 side, have the joint distribution of the motion's errors: of all instants, and with what the next motion inherits.
-The passes are those of `tracking.smoother.smoothing_pass`, with a matrix of draws where that has one vector.
+So have the constants of a recording that are moved one by one. The passes are those of
+`tracking.smoother.smoothing_pass`, with a matrix of draws where that has one vector.
 """
 
 import numpy as np
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.kalman.kalman_step import Taken, correct, forgetting, hold, predict, room_to_take
 from tracking.model.course import Course
 from tracking.model.expected_readings import Room
 from tracking.model.observation import Observation
+from tracking.model.stationary_process import transition
 from tracking.smoother.smoothing_pass import STRETCH
 
 
@@ -41,6 +43,7 @@ def respond(
     noise : (n, n_channel + n_joint, n_draw) [m/s^2], [rad/s or m/s]
         Errors of the readings, and the velocities that joints have where they are held to be at rest.
     """
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
     n, size, draws = course.readings.shape[0], P.shape[0], errors.shape[1]
     marks, rows = (n + STRETCH - 1) // STRETCH, course.noise.size + course.push.size
     mark_x, mark_P = np.empty((marks, size, draws)), np.empty((marks, size, size))
@@ -71,6 +74,22 @@ def respond(
             if k > 0:
                 _carry_back(of, course, k, at[k], later)
     errors[:], P[:] = last_x, last_P
+
+
+@compiled
+def fill_misses(
+    of: Observation, room: Room, course: Course, at: Floats, P: Floats, errors: Floats, noise: Floats, miss: Floats
+) -> None:
+    """Fill in by how much more the filter's readings miss for the errors, (n, n_channel + n_joint, n_draw).
+
+    Of what was not read, and of joints that do not rest, it is 0. The other parameters are those of `respond`.
+    """
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
+    taken, x = room_to_take(course, P.shape[0], 1), np.zeros(P.shape[0])
+    one = borrowed(taken[0])
+    for k in range(course.readings.shape[0]):
+        miss[k] = 0.0
+        _forward(of, room, course, k, at, x, P, errors, noise, one, miss[k])
 
 
 @compiled
@@ -140,12 +159,13 @@ def _take_errors(
 def _predict_errors(of: Observation, course: Course, k: int, at: Floats, errors: Floats, noise: Floats) -> None:
     """Carry the errors from instant k - 1 to k, as `tracking.kalman.kalman_step.predict` carries a state."""
     dt, n = course.dt, course.push.size
-    half = 0.5 * dt * dt
     for j in range(n):
         q = 3 * j
+        qv, qa, vv, va, av, aa = transition(course.rate[j], dt)
         for d in range(errors.shape[1]):
-            errors[q, d] += dt * errors[q + 1, d] + half * errors[q + 2, d]
-            errors[q + 1, d] += dt * errors[q + 2, d]
+            v, a = errors[q + 1, d], errors[q + 2, d]
+            errors[q, d] += qv * v + qa * a
+            errors[q + 1, d], errors[q + 2, d] = vv * v + va * a, av * v + aa * a
     for channel in range(course.noise.size):
         s = channel // 3
         if of.settled_column[s] < 0:
@@ -158,6 +178,19 @@ def _predict_errors(of: Observation, course: Course, k: int, at: Floats, errors:
             errors[o, d] -= dt * corner * felt
             if of.corner_column[s] >= 0:
                 errors[o, d] -= dt * stands * errors[of.corner_column[s], d]
+    _forget(of, course, errors)
+
+
+@compiled
+def _forget(of: Observation, course: Course, errors: Floats) -> None:
+    """Let errors of what decays decay by a step; their adjoints do so alike."""
+    kept = np.exp(-course.dt / course.memory_s)
+    if of.base_column >= 0:
+        for axis in range(3):
+            errors[of.base_column + axis] *= kept
+    if of.lack_column >= 0:
+        for channel in range(course.noise.size):
+            errors[of.lack_column + channel] *= kept
 
 
 @compiled
@@ -188,7 +221,7 @@ def _give_back(of: Observation, course: Course, taken: Taken, miss: Floats, late
 def _carry_back(of: Observation, course: Course, k: int, at: Floats, later: Floats) -> None:
     """Carry the adjoints from instant k to k - 1: the transpose of `_predict_errors`."""
     dt, n = course.dt, course.push.size
-    half = 0.5 * dt * dt
+    _forget(of, course, later)
     for s in range(of.corner.size):
         if of.settled_column[s] < 0:
             continue
@@ -201,5 +234,7 @@ def _carry_back(of: Observation, course: Course, k: int, at: Floats, later: Floa
                 later[corner_at] -= dt * stands * later[o]
     for j in range(n):
         q = 3 * j
-        later[q + 2] += half * later[q] + dt * later[q + 1]
-        later[q + 1] += dt * later[q]
+        qv, qa, vv, va, av, aa = transition(course.rate[j], dt)
+        for d in range(later.shape[1]):
+            angle, v, a = later[q, d], later[q + 1, d], later[q + 2, d]
+            later[q + 1, d], later[q + 2, d] = qv * angle + vv * v + av * a, qa * angle + va * v + aa * a

@@ -106,8 +106,8 @@ def test_what_only_the_judging_trials_show_is_learnt_from_them_and_said():
 
 
 def test_beside_another_cause_one_is_found_that_only_the_judging_trials_show():
-    motions = stop_that_no_learning_trial_reaches(DRAG)
-    finding = diagnose(pendulum(), motions[:3], motions[3:]).finding
+    motions = stop_that_no_learning_trial_reaches(DRAG, learning=2)
+    finding = diagnose(pendulum(), motions[:2], motions[2:]).finding
     assert {cause.effect for cause in finding.causes} == {"quadratic_drag", "end_stop"}
     assert _UNSEEN in [note.text for note in finding.warnings]
 

@@ -5,7 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from fitter.diagnosis.mass_determinants import log_determinant, solved_slopes
+from fitter.diagnosis.mass_determinants import determinant_slopes, log_determinant, solved_slopes
 
 SEEDS = st.integers(0, 10_000)
 
@@ -35,6 +35,15 @@ def test_quotients_are_those_of_numpy(seed, n_joint):
     expected = np.linalg.solve(M, slopes.reshape(*M.shape[:2], -1)).reshape(slopes.shape)
     np.testing.assert_allclose(solved_slopes(known + slopes @ x, slopes), expected, atol=1e-9)
     np.testing.assert_array_equal(slopes, before)
+
+
+@given(SEEDS, st.integers(1, 7))
+@settings(max_examples=40, deadline=None)
+def test_slopes_of_determinants_are_weighted_traces(seed, n_joint):
+    known, slopes, weight, x = drawn(seed, n_joint)
+    inverse = np.linalg.inv(known + slopes @ x)
+    expected = np.einsum("t,tji,tijk->k", weight, inverse, slopes)
+    np.testing.assert_allclose(determinant_slopes(known + slopes @ x, weight, slopes), expected, atol=1e-9)
 
 
 @pytest.mark.parametrize("least", [0.0, -1.0, 1e-7])

@@ -14,5 +14,6 @@ def test_kernels_of_the_search_for_pushes_and_of_masses_are_compiled():
         pulse_search._evidence,
         mass_determinants.log_determinant,
         mass_determinants.solved_slopes,
+        mass_determinants.determinant_slopes,
     ):
         assert kernel.signatures, kernel

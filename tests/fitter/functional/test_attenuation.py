@@ -47,7 +47,7 @@ def test_without_turns_it_is_score():
 
 def test_a_centre_without_the_attenuation_is_nearer_to_the_truth():
     plain, mended = [], []
-    for seed in range(8):
+    for seed in range(5):
         limbs, parent, child = simulated("ball", seed, 1000, trials=6, skin_m=0.0, skin_rad=0.05)
         centre = functional_centre("hip_right", parent, child)
         truth = parent.place([x.p for x in limbs])
@@ -64,7 +64,7 @@ def test_turns_of_any_size_leave_a_finite_centre():
 
 def test_intervals_hold_the_centre_although_skin_turns_by_three_degrees():
     held = []
-    for seed in range(15):
+    for seed in range(10):
         limbs, parent, child = simulated("ball", seed, 600, trials=4, skin_m=0.008, skin_rad=0.05)
         centre = functional_centre("hip_right", parent, child)
         held.append(np.abs(centre.in_parent_m - parent.place([x.p for x in limbs])) <= centre.half_width_m)

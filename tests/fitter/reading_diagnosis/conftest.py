@@ -15,7 +15,7 @@ from arm.highpass import HighPass
 from arm.model import Arm, Floats, Sensor
 from fitter.data.raw import RawRun
 
-RATE_HZ, LEARNING, EVALUATING = 1000.0, 2, 2
+RATE_HZ = 1000.0
 
 
 @dataclass(frozen=True)
@@ -28,19 +28,26 @@ class Run:
 
 
 @cache
-def motion(name: str, seed: int) -> tuple[Floats, Floats, Floats]:
-    bench = Bench(rate_hz=RATE_HZ, trial_s=3.0, learning=LEARNING, evaluating=EVALUATING)
+def motion(name: str, seed: int, each: int = 2) -> tuple[Floats, Floats, Floats]:
+    bench = Bench(rate_hz=RATE_HZ, trial_s=3.0, learning=each, evaluating=each)
     found = list(motions(load_arm(name), bench, seed))
     q, dq, ddq = (np.concatenate([getattr(one, part) for one in found]) for part in ("q", "dq", "ddq"))
     return q, dq, ddq
 
 
 def measured(
-    name: str, seed: int, changed: dict[int, dict[str, object]], touch: Callable[[Floats, Floats], Floats] | None
+    name: str,
+    seed: int,
+    changed: dict[int, dict[str, object]],
+    touch: Callable[[Floats, Floats], Floats] | None,
+    each: int = 2,
 ) -> Run:
-    """Return readings; sensors are changed in their fields, or ``touch(a, t)`` changes what they read."""
+    """Return readings of as many trials to learn from as to judge by.
+
+    Sensors are changed in their fields, or ``touch(a, t)`` changes what they read.
+    """
     arm = load_arm(name)
-    q, dq, ddq = motion(name, seed)
+    q, dq, ddq = motion(name, seed, each)
     t = np.arange(len(q)) / RATE_HZ
     sensors: list[Sensor] = [
         replace(one, **changed.get(k, {}))
@@ -55,9 +62,9 @@ def measured(
     if touch is not None:
         a = touch(a, t)
     a = np.rint(a / COUNT_M_S2) * COUNT_M_S2
-    n = len(t) // (LEARNING + EVALUATING)
+    n = len(t) // (2 * each)
     runs = [RawRun(f"{k}", RATE_HZ, t[k : k + n], a[k : k + n]) for k in range(0, len(t), n)]
-    return Run(arm, runs[:LEARNING], runs[LEARNING:])
+    return Run(arm, runs[:each], runs[each:])
 
 
 @pytest.fixture(scope="session")
@@ -67,7 +74,7 @@ def measured_run() -> Run:
 
 @pytest.fixture(scope="session")
 def measure() -> Callable[..., Run]:
-    def of(name="dd-arm-vertical", seed=31, changed=None, touch=None) -> Run:
-        return measured(name, seed, changed or {}, touch)
+    def of(name="dd-arm-vertical", seed=31, changed=None, touch=None, each=2) -> Run:
+        return measured(name, seed, changed or {}, touch, each)
 
     return of

@@ -42,7 +42,7 @@ WRONG = {
 @pytest.mark.parametrize("effect", WRONG)
 def test_names_what_is_wrong_and_with_which_sensor(measure, effect):
     sensor, changed, touch, truth = WRONG[effect]
-    run = measure(changed=changed, touch=touch)
+    run = measure(changed=changed, touch=touch, each=1)
     found = diagnose_sensors(run.arm, run.learn, run.evaluate)
     assert found.verdict == "named"
     (cause,) = found.causes
@@ -71,7 +71,7 @@ def test_names_nothing_where_nothing_is_wrong(measure, name):
 
 
 def test_a_bias_along_gravity_on_a_lying_arm_may_be_a_scale(measure):
-    run = measure("dd-arm", changed={2: {"bias_m_s2": (0.0, 0.0, 0.5)}})
+    run = measure("dd-arm", changed={2: {"bias_m_s2": (0.0, 0.0, 0.5)}}, each=1)
     found = diagnose_sensors(run.arm, run.learn, run.evaluate)
     assert found.verdict == "ambiguous"
     assert ("sensor_bias", "sensor_scale") in found.confusable

@@ -1,6 +1,8 @@
 """One request to a playback: what goes with it, and its answer in words."""
 
 import json
+import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
@@ -116,3 +118,9 @@ def test_what_does_not_belong_together_is_not_sent(
 def test_a_key_that_is_not_there_is_said(asked: Asked, capsys: pytest.CaptureFixture[str]) -> None:
     assert asked("state", "--key", "nowhere.limbkey") == (2, [])
     assert "nowhere.limbkey" in capsys.readouterr().err
+
+
+def test_what_plays_is_not_loaded() -> None:
+    code = "import sys, playback.commands.send; print('numba' in sys.modules, 'playback.player' in sys.modules)"
+    said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
+    assert said.split() == ["False", "False"]

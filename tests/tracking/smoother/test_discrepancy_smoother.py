@@ -76,7 +76,7 @@ def test_what_the_model_lacks_is_learnt_and_claimed(vertical_arm: Arm) -> None:
 
 
 def test_a_base_that_moves_is_told_from_sensors_that_err(vertical_arm: Arm) -> None:
-    one = case(vertical_arm, 2, base=1.0, lack=0.05)
+    one = case(vertical_arm, 2, base=1.0, lack=0.05, seconds=4.0)
     found = most_probable(vertical_arm, one.readings, np.zeros(2), True)
     assert found.discrepancy is not None
     assert found.discrepancy.base_std == pytest.approx(1.0, rel=0.4)
@@ -86,7 +86,7 @@ def test_a_base_that_moves_is_told_from_sensors_that_err(vertical_arm: Arm) -> N
 
 def test_no_gain_stands_for_a_base_that_rocks(vertical_arm: Arm) -> None:
     """Across the plane the second link is moved twice as far as the first; all four sensors have no gain."""
-    one, rng = case(vertical_arm, 3, lack=0.05), np.random.default_rng(4)
+    one, rng = case(vertical_arm, 3, lack=0.05, seconds=4.0), np.random.default_rng(4)
     sideways = coloured(rng, 0.5, 0.1, (len(one.readings.values), 1))
     moved = one.readings.values.copy()
     moved[:, 2::3] += sideways * [sensor.joint for sensor in vertical_arm.sensors]

@@ -13,6 +13,7 @@ from tracking.model.readings import ReadingsBuilder
 from tracking.smoother.discrepancy_smoother import DiscrepancySmoother
 from tracking.smoother.linearised import Linearised
 from tracking.smoother.sensor_disagreement import disagreement, variance_by_lack
+from tracking.smoother.smoothed import Smoothed
 
 PLAY_RAD = 0.02
 
@@ -35,44 +36,50 @@ def with_play(arm: Arm, seed: int) -> Case:
     return Case(builder.done(), q)
 
 
-def problem_of(arm: Arm, one: Case) -> Linearised:
-    """Return the smoother's last problem of readings, with the sizes that it found."""
+def smoothed(arm: Arm, one: Case) -> tuple[Smoothed, Linearised]:
+    """Return what the smoother finds, and its last problem of readings, with the sizes that it found."""
     kept: list[Linearised] = []
 
     class Watched(DiscrepancySmoother):
-        def _claims(self, fit):
-            kept.append(fit.linearised)
-            return super()._claims(fit)
+        def _judged(self, fit):
+            judged = super()._judged(fit)
+            kept.append(judged.problem)
+            return judged
 
-    Watched(arm, one.q[0], True).smooth(one.readings)
-    return kept[-1]
+    found = Watched(arm, one.q[0], True).smooth(one.readings)
+    return found, kept[-1]
 
 
 HOUSING = np.arange(4)
 
 
-def test_where_the_model_is_right_sensors_agree(vertical_arm: Arm) -> None:
-    ratio = disagreement(problem_of(vertical_arm, case(vertical_arm, 1, lack=0.3)), HOUSING)
+@pytest.fixture(scope="module")
+def right(vertical_arm: Arm) -> Linearised:
+    """Return the problem of readings that the model lacks something of at all sensors alike."""
+    return smoothed(vertical_arm, case(vertical_arm, 1, lack=0.3))[1]
+
+
+def test_where_the_model_is_right_sensors_agree(right: Linearised) -> None:
+    ratio = disagreement(right, HOUSING)
     assert ratio.shape == (2,) and (ratio >= 1.0).all() and (ratio < 3.0).all()
 
 
 def test_a_loose_sensor_disagrees_and_the_claim_holds_its_play(vertical_arm: Arm) -> None:
     """With what all sensors are held to lack alike, a quarter of the angles was off by more than was claimed."""
     one = with_play(vertical_arm, 0)
-    assert disagreement(problem_of(vertical_arm, one), HOUSING)[1] > 3.0
-    found = DiscrepancySmoother(vertical_arm, one.q[0], True).smooth(one.readings)
+    found, problem = smoothed(vertical_arm, one)
+    assert disagreement(problem, HOUSING)[1] > 3.0
     off = np.abs(found.states[:, :6:3] - one.q)
     assert np.mean(off < 3.0 * np.sqrt(found.variance[:, ::3])) > 0.95
 
 
-def test_the_only_sensor_has_none_to_disagree_with(vertical_arm: Arm) -> None:
-    problem = problem_of(vertical_arm, case(vertical_arm, 2, lack=0.3))
-    np.testing.assert_array_equal(disagreement(problem, np.zeros(4, dtype=np.intp)), 1.0)
+def test_the_only_sensor_has_none_to_disagree_with(right: Linearised) -> None:
+    np.testing.assert_array_equal(disagreement(right, np.zeros(4, dtype=np.intp)), 1.0)
 
 
-def test_the_part_of_what_is_lacking_is_a_tangent(vertical_arm: Arm) -> None:
+def test_the_part_of_what_is_lacking_is_a_tangent(right: Linearised) -> None:
     """The variance of the best estimate is concave in the sizes, and what is lacking is a part of all."""
-    problem = problem_of(vertical_arm, case(vertical_arm, 1, lack=0.3))
+    problem = right
     part = variance_by_lack(problem)
     variance = problem.smoothed()[0].variance[:, :6]
     assert (part >= 0.0).all() and (part <= variance * (1.0 + 1e-6)).all()

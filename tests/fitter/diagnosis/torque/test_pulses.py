@@ -130,9 +130,9 @@ def errors(found, start_s, duration_s, size):
 
 @pytest.mark.parametrize("noise", [1.0, 1e-3])
 def test_errors_of_the_likeliest_pulses_are_those_that_they_are_off_by(noise):
-    """16 pushes of any size, in background that resembles itself for as long as they last, and in hardly any."""
+    """8 pushes of any size, in background that resembles itself for as long as they last, and in hardly any."""
     rng, off = np.random.default_rng(11), []
-    for _ in range(16):
+    for _ in range(8):
         hidden = rng.uniform(2.0, 7.0), rng.uniform(0.2, 0.5), rng.uniform(0.4, 1.0)
         part = trial(rng)
         part = finer(replace(part, r=noise * part.r, torque_noise=noise * part.torque_noise))
