@@ -16,7 +16,8 @@ from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ROUNDED, SIGMAS
 WIDTHS_S = (0.004, 0.008, 0.016, 0.032, 0.064)
 #: A motor whose torque does not differ significantly from zero for this long may be anywhere in its gap [s].
 WANDERS_S = 0.02
-#: A link's velocity where a contact ends is that of so long a time at most [s].
+#: A link's velocity where a contact ends is that of so long a time at most [s]; from 0.06 s on the residual of a
+#: simulated arm hardly depends on it.
 BESIDE_S = 0.2
 #: Samples that a motor takes to cross when nothing holds it.
 CROSSING = 2
@@ -154,7 +155,7 @@ class Motor:
     def _end(self, samples: slice, at: int) -> tuple[float, float, Floats]:
         """Return angle and slope at the first or the last of some angles, and their covariance.
 
-        Half as many are taken until what is left of them is no more than their noise.
+        The window is halved until its residual is no more than noise, by its sum of squares (chi-square).
         """
         while True:
             angle, slope, covariance, squares = self._fitted(samples, at)
@@ -165,7 +166,7 @@ class Motor:
             samples = slice(samples.stop - n, samples.stop) if at else slice(samples.start, samples.start + n)
 
     def _fitted(self, samples: slice, at: int) -> tuple[float, float, Floats, float]:
-        """Return angle and slope at one of some angles, their covariance, and the squares that are left of all.
+        """Return angle and slope at one of some angles, their covariance, and the residual sum of squares of all.
 
         The link moves with its motor: by the torque, and by a constant acceleration that the model lacks, which is
         known beforehand by its size (Bayesian linear regression).
