@@ -22,9 +22,8 @@ from arm.control import control_torque
 from arm.model import Arm, Floats
 from fitter.data.derivatives import differentiate, lowpass, settling_samples
 from fitter.diagnosis.cutoff import noise_of_angles, white_noise
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY
 from fitter.diagnosis.model import Hypothesis, Model
-from fitter.diagnosis.motion import HypotheticalMotion, Motion
+from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.weighting import Rows
 
 
@@ -145,7 +144,7 @@ class NoiseProducts:
         """Return what the draw makes of the equations of some motions under a model.
 
         Joint by joint if that is asked for, or will be: a drive is held against the noise that it lets through,
-        unless it only cuts off (`let_through`).
+        unless it only cuts off (`drive_noise`).
         """
         by_joint = by_joint or model.distorts
         gains = [one.is_gain for one in model.hypotheses]
@@ -200,27 +199,3 @@ def _key(hypothesis: Hypothesis, psi: Floats) -> tuple[object, ...]:
     would make one zero of a joint seem better than another where they all are the same.
     """
     return hypothesis.key, hypothesis.n_column, psi.tobytes() if hypothesis.mixes_noise else b""
-
-
-def let_through(hypotheticals: Sequence[HypotheticalMotion], motions: Sequence[Motion]) -> Floats:
-    """Return the fraction of each joint's squared torque that a limit passes, (n_joint,).
-
-    It counts as far as the limit is reached: of a torque that is cut off now and then nearly all noise stays.
-
-    Parameters
-    ----------
-    hypotheticals : sequence of HypotheticalMotion
-        Motions as they are under the limit.
-    motions : sequence of Motion
-        The same as measured.
-    """
-    asked, reaches, cut, moving = np.zeros((4, motions[0].u.shape[1]))
-    for hypothetical, motion in zip(hypotheticals, motions, strict=True):
-        moves = ~motion.stuck
-        asked += np.sum(motion.u**2 * moves, axis=0)
-        reaches += np.sum(hypothetical.u**2 * moves, axis=0)
-        off = np.abs(hypothetical.u - motion.u) > NEGLIGIBLE * np.sqrt(np.mean(motion.u**2, axis=0))
-        cut += np.sum(off & moves, axis=0)
-        moving += np.sum(moves, axis=0)
-    through = np.clip(reaches / np.maximum(asked, TINY), ROUNDED, 1.0)
-    return np.asarray(through ** (cut / np.maximum(moving, 1.0)), dtype=np.float64)

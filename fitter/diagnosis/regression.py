@@ -13,14 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Arm, Floats
+from fitter.diagnosis.drive_noise import DriveNoise
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.errors_in_variables import Noise, NoiseProducts, let_through, noisier
-from fitter.diagnosis.least_squares import (
-    TINY,
-    UNEXPLAINED,
-    Normal,
-    compensated,
-)
+from fitter.diagnosis.errors_in_variables import Noise, NoiseProducts, noisier
+from fitter.diagnosis.least_squares import Normal, compensated
 from fitter.diagnosis.model import BARE, Model
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.motion_cells import cells_of
@@ -99,8 +95,6 @@ class Regression:
         self.arm = arm
         self.motions = list(motions)
         self.denied = denied
-        self._scales: dict[object, Floats] = {}
-        self._plain: dict[object, Floats] = {}
         self.noisier = noisier(arm, self.motions)
         self.equations = Equations(arm, weighted, denied, known, given)
         #: The sensors' noise alone, where no more is known of the masses.
@@ -114,6 +108,7 @@ class Regression:
         #: Of the motions, where something moves them that the model lacks.
         self.density: Density | None = None
         self._noisy = NoiseProducts(self.equations, self.noisier)
+        self._drives = DriveNoise(self.equations, self._noisy.of, self.learning)
         weighted.prepare(self.motions)
 
     @cached_property
@@ -271,30 +266,13 @@ class Regression:
         return np.asarray(1.0 / np.sqrt(self.noise_share(model, x) / self.own_share))
 
     def noise_share(self, model: Model, x: Floats) -> Floats:
-        """Return which share of the noise's variance is left by a drive that is late, weak or unequal, (n_joint,).
+        """Return which share of the noise's variance a model's drive leaves, (n_joint,), see `drive_noise`."""
+        return self._drives.share(model, x, self._floor_squares)
 
-        Noise of the angles enters times masses that are in proportion to the torque that is let through: a
-        torque that is cut off to nothing would leave nothing, and explain nothing.
-        """
-        now = self._let_through(model) if model.cuts_off else np.ones(self.arm.n_joint)
-        if model.distorts:
-            noise_sum = self._noisy.of(model, self.learning, by_joint=True).sum_of_squares(x)
-            floor = self.floor_part * np.sum(
-                [self.weighting.n_effective_at_joints(one) for one in self.learning], axis=0
-            )
-            now = now * np.maximum((floor + noise_sum) / (floor + self._undistorted(model)), UNEXPLAINED)
-        return np.asarray(now, dtype=np.float64)
-
-    def _undistorted(self, model: Model) -> Floats:
-        """Return the noise that a model leaves without a drive that is late, weak or unequal, (n_joint,)."""
-        plain = model.undistorted()
-        key = tuple(hypothesis.key for hypothesis in plain.hypotheses)
-        if key not in self._plain:
-            noise_sum = self._noisy.of(plain, self.learning, by_joint=True).sum_of_squares(
-                self.solve(plain, self.learning)
-            )
-            self._plain[key] = np.asarray(np.maximum(noise_sum, TINY), dtype=np.float64)
-        return self._plain[key]
+    def _floor_squares(self) -> Floats:
+        """Return the sum of squares in the learning trials that is no noise of the sensors, (n_joint,)."""
+        counts = [self.weighting.n_effective_at_joints(motion) for motion in self.learning]
+        return np.asarray(self.floor_part * np.sum(counts, axis=0))
 
     @contextmanager
     def forgetting(self) -> Iterator[None]:
@@ -302,16 +280,8 @@ class Regression:
 
         What is tried in any order, or in several processes, then comes to the same.
         """
-        known, plain = dict(self._noisy.known), dict(self._plain)
+        known = dict(self._noisy.known)
         try:
             yield
         finally:
-            self._noisy.known, self._plain = known, plain
-
-    def _let_through(self, model: Model) -> Floats:
-        parts = zip(model.hypotheses, model.psi, strict=True)
-        key = tuple((hypothesis.key, psi.tobytes()) for hypothesis, psi in parts)
-        if key not in self._scales:
-            hypotheticals = [self.hypothetical(model, motion) for motion in self.learning]
-            self._scales[key] = let_through(hypotheticals, self.learning)
-        return self._scales[key]
+            self._noisy.known = known
