@@ -65,6 +65,18 @@ def significant_velocity(
     return found, std
 
 
+def _between(seen: Floats, part: Floats) -> Floats:
+    """Return a part of every joint's motion, on a straight line where it is not seen to move, (n_sample, n_joint).
+
+    A joint that is lost in noise for less than a rest lasts goes on as it did, or turns round on its way.
+    """
+    filled, samples = part.copy(), np.arange(len(part))
+    for j, is_seen in enumerate((seen != 0.0).T):
+        if np.any(is_seen):
+            filled[~is_seen, j] = np.interp(samples[~is_seen], samples[is_seen], part[is_seen, j])
+    return filled
+
+
 def _blurred(moves: Floats, noise: Floats, dt_s: float) -> Floats:
     """Return the speed that a short rest seems to have behind the narrow filter, (n_sample, n_joint).
 
@@ -141,9 +153,10 @@ def run_of(
     motions = []
     for k, (trial, dq, t0) in enumerate(zip(trials, slow, _starts(trials), strict=True)):
         seen, noise = significant_velocity(trial, angles, stuck_share * top)
-        moves = np.where(seen == 0.0, dq, seen)
+        stuck = lasting(seen == 0.0, trial.dt_s)
+        moves, noise = np.where(stuck, dq, _between(seen, seen)), _between(seen, noise)
         sharp = moves == dq
-        t, u, stuck = t0 + trial.t, drive_torque(arm, trial), lasting(seen == 0.0, trial.dt_s)
+        t, u = t0 + trial.t, drive_torque(arm, trial)
         step = max(1, int(1.0 / (SAMPLES * trial.cutoff_hz * trial.dt_s))) if thin else 1
         stuck = binary_dilation(stuck, np.ones((2 * near + 1, 1), dtype=np.bool_))
         q, dq_, ddq, u_, speed, speed_noise, direction = (

@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter1d
 
+from fitter.data.motions import Measured
 from fitter.data.trial import Trial
 from fitter.data.trials import to_trials
-from fitter.diagnosis.run import sharper, sharper_gain, significant_velocity, velocity, velocity_gain
+from fitter.diagnosis.run import run_of, sharper, sharper_gain, significant_velocity, velocity, velocity_gain
 from fitter.diagnosis.whitening import STUCK_S
-from tests.fitter.pendulum import swings
+from tests.fitter.pendulum import pendulum, swings
 
 NOISE = 2e-4
 
@@ -89,3 +90,13 @@ def test_a_short_rest_that_the_filter_fills_is_seen(rest_s: float) -> None:
 
 def test_a_joint_that_only_turns_round_does_not_rest() -> None:
     assert longest_rest_s(reversing(0.0)) < STUCK_S
+
+
+def test_a_joint_that_creeps_never_goes_back_for_a_sample():
+    """Where noise hides it for less than a rest, it goes on as it did."""
+    t, rng = np.arange(40_000) * 0.002, np.random.default_rng(0)
+    columns = {"q": 0.006 * t[:, None] + NOISE * rng.normal(size=(len(t), 1)), "tau": np.zeros((len(t), 1))}
+    (trial,) = to_trials([Measured("creep", "test", 0, t, columns)], cutoff_hz=25.0)
+    motion = run_of(pendulum(), [trial], [])[0]
+    assert np.mean(motion.direction == 1.0) > 0.5
+    assert not np.any(motion.direction < 0.0)
