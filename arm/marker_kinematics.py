@@ -6,6 +6,7 @@ itself, whatever joint or number of eq. (1) turns or shifts (the columns of a ge
 the way from the base to the marker's link moves it.
 """
 
+import math
 from typing import NamedTuple
 
 import numpy as np
@@ -47,6 +48,10 @@ class MarkerChain(NamedTuple):
         Whether link i moves with joint j, see `moved_by`.
     depth, way : (n,) and (n, n) int64
         How many joints move link i, and which, from the base on, in the first columns; see `ways`.
+    zero_R, zero_p : (n, 3, 3), (n, 3) [m]
+        Eq. (1) of each joint at zero, from where it hangs on its parent: what of it does not change.
+    hung : (n, 3) [m]
+        Where that is, in the parent's joint-axis frame.
     """
 
     revolute: NDArray[np.bool_]
@@ -60,6 +65,38 @@ class MarkerChain(NamedTuple):
     moves: NDArray[np.bool_]
     depth: Integers
     way: Integers
+    zero_R: Floats
+    zero_p: Floats
+    hung: Floats
+
+
+def marker_chain(
+    revolute: NDArray[np.bool_],
+    geometry: Floats,
+    link: Integers,
+    place: Floats,
+    base_R: Floats,
+    base_p: Floats,
+    parent: Integers,
+    hang: Floats,
+) -> MarkerChain:
+    """Return the chain of these numbers, see `MarkerChain`."""
+    moves, n = moved_by(parent), len(parent)
+    zero_R, zero_p, hung = np.empty((n, 3, 3)), np.empty((n, 3)), np.zeros((n, 3))
+    _zero_poses(geometry, parent, hang, zero_R, zero_p, hung)
+    return MarkerChain(
+        revolute, geometry, link, place, base_R, base_p, parent, hang, moves, *ways(moves), zero_R, zero_p, hung
+    )
+
+
+@compiled
+def _zero_poses(
+    geometry: Floats, parent: Integers, hang: Floats, zero_R: Floats, zero_p: Floats, hung: Floats
+) -> None:
+    for i in range(parent.size):
+        alpha, _, d, beta, offset = geometry[i]
+        link_step(True, alpha, d, beta, offset, 0.0, zero_R[i], zero_p[i])
+        hang_on(geometry, parent, hang, i, hung[i])
 
 
 def moved_by(parent: Integers) -> NDArray[np.bool_]:
@@ -116,38 +153,37 @@ def slopes_room(n_joint: int, n_free: int) -> Slopes:
 @compiled
 def link_frames(chain: MarkerChain, R_base: Floats, p_base: Floats, q: Floats, room: Slopes) -> None:
     """Fill in the world poses of all joint-axis frames for one frame of the base segment's pose."""
-    r, p, n = np.empty((3, 3)), np.empty(3), q.size
+    n, R, o, before, far, Z = q.size, room.R, room.o, room.before, room.far, chain.zero_R
     for row in range(3):
-        room.far[n, row] = p_base[row]
+        far[n, row] = p_base[row]
         for col in range(3):
-            room.far[n, row] += R_base[row, col] * chain.base_p[col]
-            room.before[n, row, col] = (
+            far[n, row] += R_base[row, col] * chain.base_p[col]
+            before[n, row, col] = (
                 R_base[row, 0] * chain.base_R[0, col]
                 + R_base[row, 1] * chain.base_R[1, col]
                 + R_base[row, 2] * chain.base_R[2, col]
             )
     for i in range(n):
-        parent, now, at, B, far = chain.parent[i], room.R[i], room.o[i], room.before[i], room.far[i]
-        B[:], far[:] = room.before[n], room.far[n]
-        if parent >= 0:
-            B[:], far[:] = room.R[parent], room.o[parent]
-        p[:] = 0.0
-        hang_on(chain.geometry, chain.parent, chain.hang, i, p)
-        _add_turned(B, p, far)
-        alpha, _, d, beta, offset = chain.geometry[i]
-        link_step(chain.revolute[i], alpha, d, beta, offset, q[i], r, p)
-        at[:] = far
-        _add_turned(B, p, at)
+        parent, turns = chain.parent[i], chain.revolute[i]
+        c, s, slid = 1.0, 0.0, 0.0
+        if turns:
+            c, s = math.cos(q[i]), math.sin(q[i])
+        else:
+            slid = q[i]
         for row in range(3):
-            for col in range(3):
-                now[row, col] = B[row, 0] * r[0, col] + B[row, 1] * r[1, col] + B[row, 2] * r[2, col]
-
-
-@compiled
-def _add_turned(R: Floats, a: Floats, out: Floats) -> None:
-    """Add ``R a``."""
-    for row in range(3):
-        out[row] += R[row, 0] * a[0] + R[row, 1] * a[1] + R[row, 2] * a[2]
+            if parent >= 0:
+                b0, b1, b2, at = R[parent, row, 0], R[parent, row, 1], R[parent, row, 2], o[parent, row]
+            else:
+                b0, b1, b2, at = before[n, row, 0], before[n, row, 1], before[n, row, 2], far[n, row]
+            before[i, row, 0], before[i, row, 1], before[i, row, 2] = b0, b1, b2
+            at += b0 * chain.hung[i, 0] + b1 * chain.hung[i, 1] + b2 * chain.hung[i, 2]
+            far[i, row] = at
+            x = b0 * Z[i, 0, 0] + b1 * Z[i, 1, 0] + b2 * Z[i, 2, 0]
+            y = b0 * Z[i, 0, 1] + b1 * Z[i, 1, 1] + b2 * Z[i, 2, 1]
+            z = b0 * Z[i, 0, 2] + b1 * Z[i, 1, 2] + b2 * Z[i, 2, 2]
+            at += b0 * chain.zero_p[i, 0] + b1 * chain.zero_p[i, 1] + b2 * chain.zero_p[i, 2]
+            o[i, row] = at + slid * z
+            R[i, row, 0], R[i, row, 1], R[i, row, 2] = c * x + s * y, c * y - s * x, z
 
 
 @compiled

@@ -29,17 +29,24 @@ class Person:
     base_p: Floats
 
 
-def wander(rng: np.random.Generator, n: int, seconds: float, columns: int) -> Floats:
+def wander(rng: np.random.Generator, n: int, seconds: float, columns: int, rate_hz: float = RATE_HZ) -> Floats:
     """Return smooth noise of rms one, (n, columns)."""
-    raw = gaussian_filter1d(rng.normal(size=(n + 400, columns)), seconds * RATE_HZ, axis=0)[200:-200]
+    raw = gaussian_filter1d(rng.normal(size=(n + 400, columns)), seconds * rate_hz, axis=0)[200:-200]
     return raw / np.sqrt(np.mean(raw**2, axis=0))
 
 
 def person(
-    preset: str = "human-arm-right", seed: int = 0, n: int = 600, trials: int = 1, noise_m: float = 5e-4
+    preset: str = "human-arm-right",
+    seed: int = 0,
+    n: int = 600,
+    trials: int = 1,
+    noise_m: float = 5e-4,
+    rate_hz: float = RATE_HZ,
+    cluster: int = 3,
 ) -> Person:
-    """Simulate a person; its lengths and its axes are not the preset's."""
+    """Simulate a person with ``cluster`` markers a segment; its lengths and its axes are not the preset's."""
     rng = np.random.default_rng(seed)
+    spread = 0.05 * np.vstack([np.diag([1.0, -1.0, 1.0]), np.random.default_rng(7).normal(size=(cluster, 3))])
     arm = limb(replace(MEAN_PERSON, preset=preset), "scapula")
     numbers = {name: np.array([getattr(j, name) for j in arm.joints]) for name in ("alpha_rad", "a_m", "d_m")}
     numbers["d_m"][2] *= 1.05
@@ -58,12 +65,12 @@ def person(
     segments: dict[str, tuple[str, ...]] = {where.base: ("B1", "B2", "B3", "B4")}
     names, links, places = [], [], []
     for segment, part in where.parts.items():
-        own = [f"{segment}{k}" for k in range(3)]
+        own = [f"{segment}{k}" for k in range(cluster)]
         segments[segment] = tuple(own)
         for k, name in enumerate(own):
             names.append(name)
             links.append(part.link)
-            places.append(middle_of(arm, where, segment) + 0.05 * np.eye(3)[k] * (-1) ** k)
+            places.append(middle_of(arm, where, segment) + spread[k])
     for name, (link, place) in landmarks.items():
         names.append(name)
         links.append(link)
@@ -72,17 +79,17 @@ def person(
     qs, Rs, ps, recordings = [], [], [], []
     low, high = np.array([joint.limits for joint in arm.joints]).T
     for k in range(trials):
-        q = 0.5 * (low + high) + 0.22 * (high - low) * wander(rng, n, 0.5, arm.n_joint)
-        q[:, 1] = 0.2 + 0.35 * wander(rng, n, 0.5, 1)[:, 0]  # clear of gimbal lock
-        R = Rotation.from_rotvec(0.15 * wander(rng, n, 1.0, 3)).as_matrix()
-        p = 0.05 * wander(rng, n, 1.0, 3) + [0.3, 0.2, 1.2]
+        q = 0.5 * (low + high) + 0.22 * (high - low) * wander(rng, n, 0.5, arm.n_joint, rate_hz)
+        q[:, 1] = 0.2 + 0.35 * wander(rng, n, 0.5, 1, rate_hz)[:, 0]  # clear of gimbal lock
+        R = Rotation.from_rotvec(0.15 * wander(rng, n, 1.0, 3, rate_hz)).as_matrix()
+        p = 0.05 * wander(rng, n, 1.0, 3, rate_hz) + [0.3, 0.2, 1.2]
         frames = axis_frames(arm, q)
         at = [frames[:, i, :3, :3] @ x + frames[:, i, :3, 3] + base_p for i, x in zip(links, places, strict=True)]
         everything = np.concatenate([np.stack(at, axis=1), np.tile(base_points, (n, 1, 1))], axis=1)
         world = np.einsum("nij,nmj->nmi", R, everything) + p[:, None]
         world += noise_m * rng.normal(size=world.shape)
         all_names = (*names, *segments[where.base])
-        recordings.append(MarkerRecording(f"trial{k}.trc", RATE_HZ, all_names, world, "m", "+z"))
+        recordings.append(MarkerRecording(f"trial{k}.trc", rate_hz, all_names, world, "m", "+z"))
         qs.append(q)
         Rs.append(R)
         ps.append(p)

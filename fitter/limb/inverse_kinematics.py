@@ -6,10 +6,11 @@ postures and takes the best.
 
 import numpy as np
 
-from arm.marker_kinematics import MarkerChain, Slopes, joint_slopes, link_frames, marker_at, slopes_room
+from arm.marker_kinematics import MarkerChain, Slopes, link_frames, marker_at, slopes_room
 from arm.model import Floats
+from fitter.limb.frame_equations import frame_cost, frame_equations
 from fitter.limb.marker_observations import AnglePrior, Frames
-from fitter.limb.normal_equations import t_cost, t_weight
+from fitter.limb.normal_equations import t_cost
 from limbcal.compiled import compiled
 
 #: Postures that a frame begins anew from.
@@ -125,71 +126,6 @@ def solve_frame(
             if damping > 1e6:
                 break
     return cost
-
-
-@compiled
-def frame_cost(
-    chain: MarkerChain, frames: Frames, k: int, variance: Floats, prior: AnglePrior, q: Floats, room: Slopes
-) -> float:
-    """Return minus twice the log posterior of one frame's angles."""
-    link_frames(chain, frames.R[k], frames.p[k], q, room)
-    total, y = 0.0, np.empty(3)
-    for m in range(chain.link.size):
-        if np.isnan(frames.y[k, m, 0]):
-            continue
-        marker_at(chain, room, m, y)
-        squares = 0.0
-        for row in range(3):
-            squares += (frames.y[k, m, row] - y[row]) ** 2
-        total += t_cost(squares, variance[m])
-    for i in range(q.size):
-        total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
-    return total
-
-
-@compiled
-def frame_equations(
-    chain: MarkerChain,
-    frames: Frames,
-    k: int,
-    variance: Floats,
-    prior: AnglePrior,
-    q: Floats,
-    room: Slopes,
-    A: Floats,
-    a: Floats,
-) -> float:
-    """Fill in the normal equations ``A dq = a`` of one frame; return its cost."""
-    n = q.size
-    link_frames(chain, frames.R[k], frames.p[k], q, room)
-    total, y, r = 0.0, np.empty(3), np.empty(3)
-    A[:], a[:] = 0.0, 0.0
-    for m in range(chain.link.size):
-        if np.isnan(frames.y[k, m, 0]):
-            continue
-        marker_at(chain, room, m, y)
-        squares = 0.0
-        for row in range(3):
-            r[row] = frames.y[k, m, row] - y[row]
-            squares += r[row] ** 2
-        total += t_cost(squares, variance[m])
-        w = t_weight(squares, variance[m])
-        joint_slopes(chain, room, m, y)
-        way, depth, J = chain.way[chain.link[m]], chain.depth[chain.link[m]], room.by_q
-        for e in range(depth):
-            i = way[e]
-            jx, jy, jz = w * J[0, i], w * J[1, i], w * J[2, i]
-            a[i] += jx * r[0] + jy * r[1] + jz * r[2]
-            for f in range(e + 1):
-                j = way[f]
-                A[i, j] += jx * J[0, j] + jy * J[1, j] + jz * J[2, j]
-    for i in range(n):
-        for j in range(i):
-            A[j, i] = A[i, j]
-        total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
-        A[i, i] += prior.information[i]
-        a[i] -= prior.information[i] * (q[i] - prior.mean[i])
-    return total
 
 
 def predicted(chain: MarkerChain, frames: Frames, q: Floats) -> Floats:

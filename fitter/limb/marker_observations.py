@@ -6,7 +6,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from arm.marker_kinematics import BASE_POSITION, BASE_ROTATION, Integers, MarkerChain, moved_by, ways
+from arm.marker_kinematics import BASE_POSITION, BASE_ROTATION, Integers, MarkerChain, marker_chain
 from arm.model import Floats
 from fitter.limb.free_geometry import Geometry
 
@@ -94,8 +94,7 @@ class MarkerModel:
         sway = self.sway
         parent = np.concatenate([np.arange(sway) - 1, geometry.parent + sway])
         hang = np.vstack([np.zeros((sway, 4)), geometry.hang])
-        moves = moved_by(parent)
-        return MarkerChain(
+        return marker_chain(
             np.concatenate([_SWAY_TURNS[:sway], geometry.revolute]),
             np.ascontiguousarray(np.vstack([_SWAY_ROWS[:sway], geometry.numbers])),
             self.link + sway,
@@ -104,8 +103,6 @@ class MarkerModel:
             np.ascontiguousarray(geometry.base_p),
             parent,
             hang,
-            moves,
-            *ways(moves),
         )
 
 

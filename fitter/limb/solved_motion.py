@@ -25,7 +25,7 @@ from protocol.markers.recording import MarkerRecording, runs
 
 #: Share of a limb's density of the jerk that a body takes: fifty markers see its trunk where five see a limb's
 #: joint, so that the same frequencies pass with a tenth.
-_JERK_OF_A_BODY = 0.1
+JERK_OF_A_BODY = 0.1
 #: Least markers of the chain with which a frame determines its angles by itself.
 _LEAST_MARKERS = 3
 #: Passes in which skin slides with the joints: it slides by centimetres a radian, so each pass leaves a tenth of
@@ -122,7 +122,7 @@ def _solved(marked: MarkedArm, recording: MarkerRecording, seed: int) -> SolvedM
         prior = base_anywhere(prior)
         q = carried_by_limb(chain, frames, std, prior, known, seed)
     q = _first(q, seen, chain.revolute)
-    found = smooth(chain, frames, std, prior, 1.0 / recording.rate_hz, q, 1.0 if sway else _JERK_OF_A_BODY)
+    found = smooth(chain, frames, std, prior, 1.0 / recording.rate_hz, q, 1.0 if sway else JERK_OF_A_BODY)
     if not found.converged:
         more.append(Note("not_converged", "the angles still change where the search ends: do not rely on them"))
     return SolvedMotion(marked, chain, frames, found, (*notes, *more))

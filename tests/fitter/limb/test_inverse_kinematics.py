@@ -5,16 +5,9 @@ import pytest
 
 from arm.kinematics import axis_frames
 from arm.marker_kinematics import slopes_room
-from fitter.limb.inverse_kinematics import (
-    follow,
-    frame_cost,
-    frame_equations,
-    link_poses,
-    predicted,
-    solve_frame,
-)
+from fitter.limb.frame_equations import frame_equations
+from fitter.limb.inverse_kinematics import follow, link_poses, predicted, solve_frame
 from fitter.limb.marker_observations import SWAY
-from fitter.limb.normal_equations import t_cost
 from tests.fitter.limb.simulated_task import simulated_task
 
 
@@ -44,30 +37,6 @@ def test_links_are_where_the_arms_kinematics_has_them(known, chain):
     link = known.markers.link
     carried = np.einsum("kmij,mj->kmi", expected[:, link, :3, :3], known.markers.place) + place[:, link]
     np.testing.assert_allclose(y, carried, atol=1e-12)
-
-
-def test_the_cost_is_that_of_markers_and_prior(known, chain):
-    frames, prior, q = known.task.frames, known.task.angles, known.q[2] + 0.05
-    y = frames.y.copy()
-    y[2, 4] = np.nan
-    one = frames._replace(y=y)
-    off = predicted(chain, one, np.tile(q, (len(y), 1)))[2] - y[2]
-    variance = known.markers.std**2
-    expected = sum(
-        t_cost(float(x @ x), v) for x, v in zip(off, variance, strict=True) if np.isfinite(x).all()
-    ) + float(prior.information @ (q - prior.mean) ** 2)
-    room = slopes_room(len(q), 0)
-    assert frame_cost(chain, one, 2, variance, prior, q, room) == pytest.approx(expected, rel=1e-9)
-    A, a = np.empty((len(q), len(q))), np.empty(len(q))
-    assert frame_equations(chain, one, 2, variance, prior, q, room, A, a) == pytest.approx(expected, rel=1e-9)
-    np.testing.assert_array_equal(A, A.T)
-    slope = np.empty(len(q))
-    for i in range(len(q)):
-        step = np.zeros(len(q))
-        step[i] = 1e-6 / np.sqrt(max(prior.information[i], 1.0))
-        costs = [frame_cost(chain, one, 2, variance, prior, q + way * step, room) for way in (1.0, -1.0)]
-        slope[i] = (costs[0] - costs[1]) / (2.0 * step[i])
-    np.testing.assert_allclose(-2.0 * a, slope, rtol=2e-4, atol=2e-4 * np.abs(slope).max())
 
 
 def test_a_frame_is_solved_where_its_cost_is_flat(known, chain):

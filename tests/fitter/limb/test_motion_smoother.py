@@ -4,7 +4,9 @@ import numpy as np
 import pytest
 
 from arm.marker_kinematics import slopes_room
-from fitter.limb.inverse_kinematics import frame_cost, frame_equations, predicted
+from fitter.limb import motion_smoother
+from fitter.limb.frame_equations import frame_cost, frame_equations
+from fitter.limb.inverse_kinematics import predicted
 from fitter.limb.marker_observations import FREEDOM, SWAY
 from fitter.limb.motion_smoother import JERK_DENSITY, SWAY_JERK_DENSITY, smooth
 from tests.fitter.limb.simulated_task import simulated_task
@@ -95,6 +97,29 @@ def test_a_blow_is_followed_and_rest_stays_smooth(known):
     found = smooth(chain, frames._replace(y=y), std, prior, DT, q)
     off = np.abs(found.q[:, SWAY:] - blown[:, SWAY:])
     assert found.converged and off.max() < 0.05
+
+
+def test_frames_solved_by_themselves_end_where_all_together_do(known, monkeypatch):
+    """One blow in a long motion: all but the frames around it stay."""
+    chain, frames, std, prior, q = known
+    many = np.tile(np.arange(30), 5)
+    blown = q[many]
+    blown[:, SWAY:] = np.cumsum(np.full((150, 6), 1e-3), axis=0)
+    blown[:, SWAY + 3] += np.interp(np.arange(150), [70, 72], [0.0, 1.6])
+    more = frames.rows(many)._replace(t=np.arange(150) * DT)
+    y = predicted(chain, more, blown)
+    more = more._replace(y=y + 1e-3 * np.random.default_rng(2).normal(size=y.shape))
+    parts, settle = [], motion_smoother._Problem.settle
+    monkeypatch.setattr(motion_smoother._Problem, "settle", lambda *a: parts.append(a[1:]) or settle(*a))
+    slow = blown.copy()
+    slow[:, SWAY + 3] = np.interp(np.arange(150), [40, 102], blown[[0, 149], SWAY + 3])
+    found = smooth(chain, more, std, prior, DT, slow)
+    assert found.converged and parts and all(end - first < 75 for first, end in parts)
+    monkeypatch.setattr(motion_smoother, "_FEW", 0.0)
+    monkeypatch.setattr(motion_smoother, "_CONVERGED_RAD", 1e-6)
+    together = smooth(chain, more, std, prior, DT, slow)
+    assert np.abs(found.q - together.q).max() < 5e-3
+    np.testing.assert_allclose(found.std, together.std, rtol=0.02)
 
 
 def test_less_jerk_is_smoother(known):

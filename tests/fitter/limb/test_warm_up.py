@@ -1,6 +1,6 @@
 """Going through fit and tracking compiles their kernels."""
 
-from fitter.limb import inverse_kinematics, motion_smoother, normal_equations
+from fitter.limb import inverse_kinematics, motion_equations, normal_equations
 from fitter.limb.warm_up import warm_up
 
 
@@ -10,7 +10,7 @@ def test_kernels_of_fit_and_tracking_are_compiled():
         inverse_kinematics._follow,
         normal_equations.eliminate,
         normal_equations.bundle_cost,
-        motion_smoother._equations,
-        motion_smoother._selected_inverse,
+        motion_equations.marker_equations,
+        motion_equations.inverse_diagonal,
     ):
         assert kernel.signatures, kernel
