@@ -37,9 +37,16 @@ _CLOSE_ENOUGH = 0.02
 _PASSES = 30
 #: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
 _TOO_LITTLE = 0.7
+#: Passes that swing about the answer also end after so many in a row whose likelihood differs by less than this
+#: [nats]: by so much a motion differs that one number is a standard deviation off. Turn and place of a sensor that
+#: no motion tells apart lie along a curve; what was held of them, along a straight line.
+_EQUAL_PASSES, _EQUAL_NATS = 4, 0.5
 #: An alternative model, accepted only if it explains the readings, is rejected after this many passes that do not
 #: converge and whose residual exceeds the sensors' noise; a convention.
 _IN_VAIN = 4
+#: An alternative model is rejected if the filter doubts more than this share of the instants: no robust estimate can
+#: tell outliers from readings where outliers are the majority (breakdown point; P. J. Huber 1981).
+_BREAKDOWN_SHARE = 0.5
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
 NO_MOTION = (
@@ -114,7 +121,7 @@ class Smoother:
         if start is None and previous is None and not readings.begins_steadily:
             # a filter that knew neither how the arm moved nor where it was would doubt what it reads
             some = replace(readings, values=readings.values[: round(LOOK_AHEAD_S / readings.dt_s)])
-            first = self._smooth(some, x0.copy(), P0, x0, False, None, None, explaining)
+            first = self._smooth(some, x0.copy(), P0, x0, False, None, None, explaining, False)
             if explaining and contradicted(self.observation, first.course, first.found):
                 return replace(first, converged=False)  # what does not explain a part explains no whole
             begin = first.states[0]
@@ -130,8 +137,12 @@ class Smoother:
         progress: Callable[[int], None] | None,
         until: int | None,
         explaining: bool,
+        started: bool = True,
     ) -> Smoothed:
-        """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere."""
+        """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere.
+
+        Of a filter that did not begin where the arm was, ``started`` is False: its doubts say nothing of the arm.
+        """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
         course = course_of(readings, n)
         clocks = ClockSearch(of, course.readings)  # they are of each recording
@@ -144,27 +155,30 @@ class Smoother:
         coarse, at = coarser(course, stride), every(states, stride)
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
-        passes, converged, step, moved, in_vain = 0, False, 1.0, np.inf, 0
+        passes, converged, step, moved, in_vain, cost, equal = 0, False, 1.0, np.inf, 0, np.inf, 0
+        if explaining and started and _doubted(course) > _BREAKDOWN_SHARE:
+            in_vain = _IN_VAIN
         room, found = room_of(n), pass_of(of, coarse, self.size)
         noise = acceleration_noise(of, room, coarse, at)
         while passes < _PASSES and not converged and in_vain < _IN_VAIN:
             x, P = x0.copy(), P0.copy()
             along = calm(at, noise, coarse.dt)
-            smooth_once(of, room, coarse, along, x, P, found, False)
+            cost_before, cost = cost, smooth_once(of, room, coarse, along, x, P, found, False)
             smoothed = found.states
             if not np.isfinite(smoothed).all():
                 raise DataError(NO_MOTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
             before, moved = moved, float((np.abs(smoothed - at).max(axis=0) / std).max())
-            passes, converged = passes + 1, moved < _CLOSE_ENOUGH
+            equal = equal + 1 if step < 1.0 and abs(cost - cost_before) < 2.0 * _EQUAL_NATS else 0
+            passes, converged = passes + 1, moved < _CLOSE_ENOUGH or equal >= _EQUAL_PASSES
             if passes > 2 and moved > _TOO_LITTLE * before:  # it swings about the answer: go half the way
                 step = max(0.25, 0.5 * step)
                 in_vain += explaining and contradicted(of, coarse, found)
-            if converged:
+            if moved < _CLOSE_ENOUGH:
                 step = 1.0
             at = at + step * (smoothed - at)
             if (turned := unwound(at, coarse, arm)) is not None:
-                at, converged, moved, step = turned, False, np.inf, 1.0
+                at, converged, moved, step, equal = turned, False, np.inf, 1.0, 0
             if clocks.take(x, P, x0, at):
                 course = clocks.moved(course)
                 coarse, converged, moved = coarser(course, stride), False, np.inf
@@ -189,7 +203,7 @@ class Smoother:
             P0,
             still,
             resting,
-            float(np.mean((course.doubt > 1.0).any(axis=1))),
+            _doubted(course),
             passes,
             converged,
             last,
@@ -239,6 +253,11 @@ class Smoother:
         if not np.isfinite(states).all():
             raise DataError(NO_MOTION)
         return states, still, resting
+
+
+def _doubted(course: Course) -> float:
+    """Return the share of the instants at which readings are doubted."""
+    return float(np.mean((course.doubt > 1.0).any(axis=1)))
 
 
 def state_before(
