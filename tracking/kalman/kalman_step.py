@@ -194,7 +194,7 @@ def project(
     n_taken: int,
     projected: Floats,
 ) -> None:
-    """Fill in the covariance of the state with a reading: P less what the first readings take from it, by slope."""
+    """Fill in the covariance of the state with a reading: P, less what the first ones take from it, by slope."""
     size = projected.size
     projected[:] = 0.0
     for c in range(n_column):
@@ -212,7 +212,7 @@ def project(
 
 @compiled
 def subtract(P: Floats, taken: Taken, n_taken: int) -> None:
-    """Subtract from P what the first readings take from it, ``gain gain^T total`` each: the axes of a sensor at once.
+    """Subtract from P what the first readings take from it, ``gain gain^T total`` each; a sensor's axes at once.
 
     P stays symmetric to the last digit.
     """

@@ -241,11 +241,13 @@ def turned_by(turn: tuple[float, float, float], a: tuple[float, float, float]) -
 
 
 @compiled
-def turned_further(turn: tuple[float, float, float], more: tuple[float, float, float]) -> tuple[float, float, float]:
+def turned_further(
+    turn: tuple[float, float, float], more: tuple[float, float, float]
+) -> tuple[float, float, float]:
     """Return the small rotation, in the turned axes, that a rotation vector makes of itself by a little ``more``.
 
-    ``Exp(turn + more) = Exp(turn) Exp(J more)`` with the right Jacobian J (J. Sola and others 2018, eq. 143). Without
-    it turn and place of a sensor that no motion tells apart would seem to be told apart where the turn is large.
+    ``Exp(turn + more) = Exp(turn) Exp(J more)`` with the right Jacobian J (J. Sola and others 2018, eq. 143).
+    Without it turn and place of a sensor that no motion tells apart would seem to be, where the turn is large.
     """
     if turn[0] == 0.0 and turn[1] == 0.0 and turn[2] == 0.0:
         return more

@@ -108,7 +108,9 @@ def test_a_mounting_is_that_of_an_arm_so_mounted(arm, turn, seed):
     np.testing.assert_allclose(seen(arm, x, True)[0], read_by(as_mounted(arm, of, x), x), rtol=1e-10, atol=1e-10)
 
 
-@pytest.mark.parametrize(("mountings", "turn"), [(False, 0.0), (True, 0.0), (True, 1e-6), (True, 0.1), (True, 1.0)])
+@pytest.mark.parametrize(
+    ("mountings", "turn"), [(False, 0.0), (True, 0.0), (True, 1e-6), (True, 0.1), (True, 1.0)]
+)
 @pytest.mark.parametrize("seed", range(3))
 def test_slopes_are_those_of_central_differences(arm, mountings, turn, seed):
     """By motion, offsets, lengths, scales, turns of any size and places; AC coupling adds none."""

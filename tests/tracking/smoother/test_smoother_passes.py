@@ -83,7 +83,7 @@ def test_thirty_passes_are_enough(passes, share):
 
 @pytest.mark.parametrize(("share", "gain", "expected"), [(-7.0, 0.9, 7), (-7.0, 1.1, 30), (0.5, 0.0, 6)])
 def test_passes_that_swing_end_where_none_is_likelier(passes, share, gain, expected):
-    """From the fourth pass on they are halved, and four are within half a nat, twice which is what a pass returns."""
+    """From the fourth pass on they are halved, and four are within half a nat, of which a pass returns twice."""
     found = passes(share, 1.0, gain=gain)
     assert found.passes == expected and found.converged == (expected < 30)
 
