@@ -154,9 +154,11 @@ def correct(
 ) -> float:
     """Take in the readings of instant k, linearised in the state ``at``; return the misses' squared size.
 
-    That is the sum of ``miss^2 / total``, about as large as there are channels where the model is right.
+    That is the sum of ``miss^2 / total``, about as large as there are channels where the model is right. The
+    readings are taken in one after the other, as `take` does, but what they take from P is subtracted at the end,
+    in one sweep of that matrix.
     """
-    n_channel = course.noise.size
+    n_channel, size = course.noise.size, x.size
     squared = 0.0
     observe(of, room, at, taken.miss[:n_channel], taken.slope)
     for channel in range(n_channel):
@@ -168,11 +170,66 @@ def correct(
         miss = course.readings[k, channel] - taken.miss[channel]
         for c in range(n_column):
             miss -= slope[columns[c]] * (x[columns[c]] - at[columns[c]])
-        variance = course.noise[channel] * course.doubt[k, channel]
-        total = take(x, P, slope, columns, n_column, miss, variance, taken.gain[channel])
+        gain = taken.gain[channel]
+        project(P, slope, columns, n_column, taken, channel, gain)
+        total = course.noise[channel] * course.doubt[k, channel]
+        for c in range(n_column):
+            total += slope[columns[c]] * gain[columns[c]]
+        for a in range(size):
+            gain[a] /= total
+            x[a] += gain[a] * miss
         taken.miss[channel], taken.total[channel] = miss, total
         squared += miss * miss / total
+    subtract(P, taken, n_channel)
     return squared
+
+
+@compiled
+def project(
+    P: Floats,
+    slope: Floats,
+    columns: NDArray[np.int64],
+    n_column: int,
+    taken: Taken,
+    n_taken: int,
+    projected: Floats,
+) -> None:
+    """Fill in the covariance of the state with a reading: P, less what the first ones take from it, by slope."""
+    size = projected.size
+    projected[:] = 0.0
+    for c in range(n_column):
+        column = columns[c]
+        for a in range(size):
+            projected[a] += P[column, a] * slope[column]
+    for before in range(n_taken):
+        share = 0.0
+        for c in range(n_column):
+            share += slope[columns[c]] * taken.gain[before, columns[c]]
+        share *= taken.total[before]
+        for a in range(size):
+            projected[a] -= share * taken.gain[before, a]
+
+
+@compiled
+def subtract(P: Floats, taken: Taken, n_taken: int) -> None:
+    """Subtract from P what the first readings take from it, ``gain gain^T total`` each; a sensor's axes at once.
+
+    P stays symmetric to the last digit.
+    """
+    size = P.shape[0]
+    root = np.empty((n_taken, size))
+    for row in range(n_taken):
+        scale = np.sqrt(taken.total[row])
+        for a in range(size):
+            root[row, a] = scale * taken.gain[row, a]
+    for a in range(size):
+        for row in range(0, n_taken, 3):
+            x, y, z = root[row, a], root[row + 1, a], root[row + 2, a]
+            for b in range(a + 1):
+                P[a, b] -= x * root[row, b] + y * root[row + 1, b] + z * root[row + 2, b]
+    for a in range(size):
+        for b in range(a):
+            P[b, a] = P[a, b]
 
 
 @compiled

@@ -3,7 +3,7 @@
 import numpy as np
 
 from arm.model import Floats
-from limbcal.compiled import compiled
+from limbcal.compiled import borrowed, compiled
 from tracking.kalman.kalman_step import correct, hold, predict, room_to_take
 from tracking.model.course import Course
 from tracking.model.expected_readings import Room, room_of
@@ -25,11 +25,14 @@ def filter_plainly(of: Observation, course: Course, x: Floats, P: Floats) -> Flo
 
 @compiled
 def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
-    taken = room_to_take(course, x.size, 1)[0]
+    of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
+    rooms, at = room_to_take(course, x.size, 1), np.empty(x.size)
+    taken = borrowed(rooms[0])
     for k in range(states.shape[0]):
         if k > 0:
             predict(of, course, k, x, P)
         if course.present[k]:
-            correct(of, room, course, k, x.copy(), x, P, taken)
+            at[:] = x
+            correct(of, room, course, k, at, x, P, taken)
         hold(course, k, x, P, taken)
         states[k] = x

@@ -163,7 +163,7 @@ def observe_turning(of: Observation, room: Room, x: Floats, s: int, reading: Flo
         i = of.chain.parent[i]
     if scale >= 0:
         for k in range(3):
-            turned = cross(felt, AXES[k])  # to first order in what the turn still lacks
+            turned = cross(felt, turned_further(turn, AXES[k]))
             for c in range(3):
                 slope[channel + c, scale + k] = felt[c] if c == k else 0.0
                 slope[channel + c, first + 3 + k] = gain[c] * turned[c]
@@ -220,7 +220,7 @@ def mounting_slopes(
     It feels ``felt``, and ``own`` of that if the base stands.
     """
     for k in range(3):
-        turned = cross(felt, AXES[k])  # to first order in what the turn still lacks
+        turned = cross(felt, turned_further(turn, AXES[k]))
         moved = turned_by(turn, turned_back(rotation, at_lever(w, dw, AXES[k])))
         for c in range(3):
             slope[c, first + k] = own[c] if c == k else 0.0
@@ -238,6 +238,24 @@ def turned_by(turn: tuple[float, float, float], a: tuple[float, float, float]) -
     one = cross(turn, a)
     two = cross(turn, one)
     return a[0] - s * one[0] + c * two[0], a[1] - s * one[1] + c * two[1], a[2] - s * one[2] + c * two[2]
+
+
+@compiled
+def turned_further(
+    turn: tuple[float, float, float], more: tuple[float, float, float]
+) -> tuple[float, float, float]:
+    """Return the small rotation, in the turned axes, that a rotation vector makes of itself by a little ``more``.
+
+    ``Exp(turn + more) = Exp(turn) Exp(J more)`` with the right Jacobian J (J. Sola and others 2018, eq. 143).
+    Without it turn and place of a sensor that no motion tells apart would seem to be, where the turn is large.
+    """
+    if turn[0] == 0.0 and turn[1] == 0.0 and turn[2] == 0.0:
+        return more
+    angle = np.sqrt(turn[0] ** 2 + turn[1] ** 2 + turn[2] ** 2)
+    s, c = (angle - np.sin(angle)) / angle**3, 2.0 * (np.sin(0.5 * angle) / angle) ** 2
+    one = cross(turn, more)
+    two = cross(turn, one)
+    return more[0] - c * one[0] + s * two[0], more[1] - c * one[1] + s * two[1], more[2] - c * one[2] + s * two[2]
 
 
 @compiled

@@ -5,7 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from arm.model import Arm, Floats, SensorCovariance, Vector3
-from tracking.model.expected_readings import observe, room_of
+from limbcal.compiled import borrowed, compiled
+from tracking.model.expected_readings import Room, observe, room_of
 from tracking.model.first_rest import MOVING_STDS, FirstReadings, begin_stds
 from tracking.model.gravity_length import LEAST_OFFSET_STD, MOST_OFFSET_STD, OFFSET_MARGIN
 from tracking.model.observation import ABSENT, GYRO_SCALE_NAMES, MOUNTING, MOUNTING_NAMES, Observation
@@ -21,6 +22,8 @@ _UNSETTLED_STD, _SETTLED_STD = 20.0, 0.002
 GIVEN_STD, GUESSED_STD = 0.01, 1.0
 #: An angle that is the zero by definition [rad or m]: as little as keeps a covariance from being singular.
 _EXACT_STD = 1e-5
+#: Steps of Gauss and Newton to level angles at the most, and a step that is none [rad].
+_LEVEL_STEPS, _LEVEL_RAD = 20, 1e-9
 #: A length that the arm file does not say the accuracy of is held to a share of itself, of this at the least [m].
 _LEAST_LENGTH_STD_M = 0.1
 #: A corner is known to a third, as resistors and capacitors are.
@@ -186,20 +189,36 @@ def _in_motion(of: Observation, x: Floats) -> Floats:
 
 def _level(of: Observation, x: Floats, first: Floats, offset_std: Floats, q: Floats) -> Floats:
     """Return the angles at which gravity explains what is read at rest, the nearest to ``q``."""
-    n = q.size
-    x, found = x.copy(), q.copy()
-    for _ in range(20):
-        x[: 3 * n : 3] = found
-        reading, slope = _read(of, x)
-        H = slope[:, : 3 * n : 3] / offset_std[:, None]
-        step = np.linalg.solve(
-            H.T @ H + np.eye(n) / GUESSED_STD**2,
-            H.T @ ((first - reading) / offset_std) - (found - q) / GUESSED_STD**2,
-        )
-        found = found + np.clip(step, -0.5, 0.5)
-        if np.abs(step).max() < 1e-9:
-            break
+    found: Floats = q.copy()
+    _step_to_level(of, room_of(q.size), x.copy(), first, offset_std, q, found)
     return found
+
+
+@compiled
+def _step_to_level(
+    of: Observation, room: Room, x: Floats, first: Floats, offset_std: Floats, q: Floats, found: Floats
+) -> None:
+    """Move the angles ``found`` by Gauss and Newton's steps of half a radian at the most; ``x`` is used up."""
+    of, room = borrowed(of), borrowed(room)  # the caller keeps them
+    n, n_channel = q.size, first.size
+    reading, slope = np.empty(n_channel), np.zeros((n_channel, x.size))
+    A, b = np.empty((n, n)), np.empty(n)
+    for _ in range(_LEVEL_STEPS):
+        x[: 3 * n : 3] = found
+        observe(of, room, x, reading, slope)
+        A[:] = np.eye(n) / GUESSED_STD**2
+        b[:] = (q - found) / GUESSED_STD**2
+        for channel in range(n_channel):
+            weight, miss = offset_std[channel] ** -2, first[channel] - reading[channel]
+            for i in range(n):
+                b[i] += slope[channel, 3 * i] * miss * weight
+                for j in range(n):
+                    A[i, j] += slope[channel, 3 * i] * slope[channel, 3 * j] * weight
+        step = np.linalg.solve(A, b)
+        for i in range(n):
+            found[i] += min(max(step[i], -0.5), 0.5)
+        if np.abs(step).max() < _LEVEL_RAD:
+            break
 
 
 def _angle_covariance(H: Floats, shown: float, unshown: float) -> Floats:

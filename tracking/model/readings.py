@@ -1,6 +1,7 @@
 """A whole recording, decimated to the rate of the frames."""
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -46,7 +47,7 @@ class Readings:
         there: NDArray[np.bool_] = ~np.isnan(self.values[:, 0])
         return there
 
-    @property
+    @cached_property
     def first(self) -> FirstReadings:
         """Readings of the first quarter of a second."""
         return first_readings(self.values, self.dt_s, self.noise, self.factor)

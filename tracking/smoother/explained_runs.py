@@ -18,12 +18,16 @@ def exact_motions(
     given: bool,
     prior: MountingPrior,
     progress: Callable[[int], None] | None,
+    explaining: bool = False,
 ) -> list[Smoothed]:
-    """Return the motions of an exact arm whose sensors' clocks agree, or if only that explains them, differ."""
-    found = _exact(arm, runs, q, given, prior, False, progress)
+    """Return the motions of an exact arm whose sensors' clocks agree, or if only that explains them, differ.
+
+    With ``explaining`` they are wanted only if they explain the runs.
+    """
+    found = _exact(arm, runs, q, given, prior, False, progress, explaining)
     if not found or explained(found, runs):
         return found
-    late = _exact(arm, runs, q, given, prior, True, progress)
+    late = _exact(arm, runs, q, given, prior, True, progress, True)
     return late if explained(late, runs) else found
 
 
@@ -35,13 +39,14 @@ def _exact(
     prior: MountingPrior,
     clocks: bool,
     progress: Callable[[int], None] | None,
+    explaining: bool,
 ) -> list[Smoothed]:
     """Return motions of an exact arm, each with what the runs before showed, up to one that is not explained."""
     exact, found = Smoother(arm, q, given, prior, clocks), list[Smoothed]()
     try:
         for readings in runs:
             known = found[-1] if found else None
-            found.append(exact.smooth(readings, fine=False, known=known, progress=progress, explaining=clocks))
+            found.append(exact.smooth(readings, fine=False, known=known, progress=progress, explaining=explaining))
             if not found[-1].is_exact:
                 break
     except DataError:

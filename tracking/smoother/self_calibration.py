@@ -92,7 +92,7 @@ def calibrate_sensors(
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
     given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
-    found = exact_motions(arm, runs, q0, given, prior, progress)
+    found = exact_motions(arm, runs, q0, given, prior, progress, explaining=True)
     if not explained(found, runs):
         arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
         of = observation_of(arm, mountings=True)[0]

@@ -28,18 +28,17 @@ from tracking.model.zero_velocity import WINDOW_S, window_frames, window_of
 from tracking.smoother.coarsening import coarser, every, finer, stride_of
 from tracking.smoother.smoothed import Smoothed, contradicted, is_near, mend
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
+from tracking.smoother.step_control import StepControl
 from tracking.smoother.windows import LOOK_AHEAD_S
 
-#: Passes end when no state moves by more than this fraction of its standard deviation, a convention: what is left
-#: adds 0.04 % to its variance.
-_CLOSE_ENOUGH = 0.02
 #: Passes at the most; the result then says that it has not converged.
 _PASSES = 30
-#: A pass that moves the states by more than this fraction of the pass before gets no nearer, a convention.
-_TOO_LITTLE = 0.7
 #: An alternative model, accepted only if it explains the readings, is rejected after this many passes that do not
 #: converge and whose residual exceeds the sensors' noise; a convention.
 _IN_VAIN = 4
+#: An alternative model is rejected if the filter doubts more than this share of the instants: no robust estimate
+#: can tell outliers from readings where outliers are the majority (breakdown point; P. J. Huber 1981).
+_BREAKDOWN_SHARE = 0.5
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].
 RELEASE_S = 0.5 * WINDOW_S
 NO_MOTION = (
@@ -114,7 +113,7 @@ class Smoother:
         if start is None and previous is None and not readings.begins_steadily:
             # a filter that knew neither how the arm moved nor where it was would doubt what it reads
             some = replace(readings, values=readings.values[: round(LOOK_AHEAD_S / readings.dt_s)])
-            first = self._smooth(some, x0.copy(), P0, x0, False, None, None, explaining)
+            first = self._smooth(some, x0.copy(), P0, x0, False, None, None, explaining, False)
             if explaining and contradicted(self.observation, first.course, first.found):
                 return replace(first, converged=False)  # what does not explain a part explains no whole
             begin = first.states[0]
@@ -130,8 +129,12 @@ class Smoother:
         progress: Callable[[int], None] | None,
         until: int | None,
         explaining: bool,
+        started: bool = True,
     ) -> Smoothed:
-        """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere."""
+        """Return the most probable motion, with the rests, jolts and doubts of a filter that begins somewhere.
+
+        Of a filter that did not begin where the arm was, ``started`` is False: its doubts say nothing of the arm.
+        """
         of, arm, n = self.observation, self._arm, self._arm.n_joint
         course = course_of(readings, n)
         clocks = ClockSearch(of, course.readings)  # they are of each recording
@@ -144,32 +147,30 @@ class Smoother:
         coarse, at = coarser(course, stride), every(states, stride)
         if (turned := unwound(at, coarse, arm, long_too=True)) is not None:
             at = turned
-        passes, converged, step, moved, in_vain = 0, False, 1.0, np.inf, 0
+        steps = StepControl()
+        in_vain = _IN_VAIN if explaining and started and _doubted(course) > _BREAKDOWN_SHARE else 0
         room, found = room_of(n), pass_of(of, coarse, self.size)
         noise = acceleration_noise(of, room, coarse, at)
-        while passes < _PASSES and not converged and in_vain < _IN_VAIN:
+        while steps.passes < _PASSES and not steps.converged and in_vain < _IN_VAIN:
             x, P = x0.copy(), P0.copy()
             along = calm(at, noise, coarse.dt)
-            smooth_once(of, room, coarse, along, x, P, found, False)
+            cost = smooth_once(of, room, coarse, along, x, P, found, False)
             smoothed = found.states
             if not np.isfinite(smoothed).all():
                 raise DataError(NO_MOTION)
             std = np.sqrt(np.maximum(np.diag(P), 1e-12))
-            before, moved = moved, float((np.abs(smoothed - at).max(axis=0) / std).max())
-            passes, converged = passes + 1, moved < _CLOSE_ENOUGH
-            if passes > 2 and moved > _TOO_LITTLE * before:  # it swings about the answer: go half the way
-                step = max(0.25, 0.5 * step)
+            if steps.judge(float((np.abs(smoothed - at).max(axis=0) / std).max()), cost):
                 in_vain += explaining and contradicted(of, coarse, found)
-            if converged:
-                step = 1.0
-            at = at + step * (smoothed - at)
+            at = at + steps.step * (smoothed - at)
             if (turned := unwound(at, coarse, arm)) is not None:
-                at, converged, moved, step = turned, False, np.inf, 1.0
+                at = turned
+                steps.begin_anew()
             if clocks.take(x, P, x0, at):
                 course = clocks.moved(course)
-                coarse, converged, moved = coarser(course, stride), False, np.inf
+                coarse = coarser(course, stride)
+                steps.go_on()
             if progress is not None:
-                progress(passes)
+                progress(steps.passes)
         along, last = calm(at, noise, coarse.dt), coarse
         if fine:
             along = finer(along, len(states), stride)
@@ -189,9 +190,9 @@ class Smoother:
             P0,
             still,
             resting,
-            float(np.mean((course.doubt > 1.0).any(axis=1))),
-            passes,
-            converged,
+            _doubted(course),
+            steps.passes,
+            steps.converged,
             last,
             along,
             None,
@@ -239,6 +240,11 @@ class Smoother:
         if not np.isfinite(states).all():
             raise DataError(NO_MOTION)
         return states, still, resting
+
+
+def _doubted(course: Course) -> float:
+    """Return the share of the instants at which readings are doubted."""
+    return float(np.mean((course.doubt > 1.0).any(axis=1)))
 
 
 def state_before(

@@ -118,6 +118,14 @@ def test_a_gyroscope_turns_with_its_housing() -> None:
     moved = with_gyros(replace(arm, sensors=(turned, *arm.sensors[1:])))
     expected = angular_velocity(moved, x[None, : 3 * arm.n_joint : 3], x[None, 1 : 3 * arm.n_joint : 3])[0]
     np.testing.assert_allclose(reading[3 * len(arm.sensors) :], expected.ravel(), atol=1e-12)
+    for column in range(of.mounting_column[0] + 3, of.mounting_column[0] + 6):  # also where it is turned
+        sides = []
+        for step in (STEP, -STEP):
+            at, beside = x.copy(), reading.copy()
+            at[column] += step
+            observe(of, room_of(arm.n_joint), at, beside, np.zeros_like(slope))
+            sides.append(beside)
+        np.testing.assert_allclose(slope[:, column], (sides[0] - sides[1]) / (2.0 * STEP), atol=1e-6)
 
 
 @pytest.mark.parametrize("name", ARMS)

@@ -208,8 +208,8 @@ def test_runs_are_summed_up(monkeypatch: pytest.MonkeyPatch) -> None:
     assert found.estimates[0].value == 1.0  # of the last
     assert [one for one, _ in told.asked] == runs
     assert [more for _, more in told.asked] == [
-        {"fine": False, "known": None, "progress": progress, "explaining": False},
-        {"fine": False, "known": first, "progress": progress, "explaining": False},
+        {"fine": False, "known": None, "progress": progress, "explaining": True},
+        {"fine": False, "known": first, "progress": progress, "explaining": True},
     ]
     arm, q0, given, prior, clocks = told.made
     assert (arm, q0.tolist(), given, prior, clocks) == (

@@ -31,7 +31,7 @@ def passes(level_bench, decimated, monkeypatch):
     readings = module.Readings(whole.values[:200], whole.dt_s, whole.t0_s, whole.noise, whole.factor)
     smoother, counted, turns, reported = Smoother(level_bench.arm, np.zeros(2), True), [], {}, []
 
-    def smoothed(share, off, fine=False, explaining=False):
+    def smoothed(share, off, fine=False, explaining=False, gain=2.0):
         def away(by):
             at = np.zeros((50, smoother.size))
             at[7, 4] = STD * by
@@ -45,6 +45,7 @@ def passes(level_bench, decimated, monkeypatch):
             found.states[:] = share * along
             reported.append(with_variance)
             P[:] = STD**2 * np.eye(len(P))
+            return -gain * len(reported)
 
         monkeypatch.setattr(module, "every", lambda states, stride: away(off))
         monkeypatch.setattr(module, "smooth_once", once)
@@ -80,6 +81,13 @@ def test_thirty_passes_are_enough(passes, share):
     assert not found.converged and found.passes == 30
 
 
+@pytest.mark.parametrize(("share", "gain", "expected"), [(-7.0, 0.9, 7), (-7.0, 1.1, 30), (0.5, 0.0, 6)])
+def test_passes_that_swing_end_where_none_is_likelier(passes, share, gain, expected):
+    """From the fourth pass on they are halved, and four are within half a nat, of which a pass returns twice."""
+    found = passes(share, 1.0, gain=gain)
+    assert found.passes == expected and found.converged == (expected < 30)
+
+
 @pytest.mark.parametrize(
     ("explaining", "against", "expected"), [(True, True, 6), (True, False, 30), (False, True, 30)]
 )
@@ -90,6 +98,15 @@ def test_a_motion_that_explains_nothing_is_given_up_after_four_passes_in_vain(
     monkeypatch.setattr(module, "contradicted", lambda *_: against)
     found = passes(-7.0, 1.0, explaining=explaining)
     assert not found.converged and found.passes == expected
+
+
+@pytest.mark.parametrize(("explaining", "share"), [(True, 0.51), (True, 0.49), (False, 0.51)])
+def test_an_alternative_that_most_instants_contradict_is_given_up_at_once(passes, monkeypatch, explaining, share):
+    """No estimate tells outliers from readings where outliers are the majority."""
+    monkeypatch.setattr(module, "_doubted", lambda _: share)
+    found = passes(0.5, -1.0, explaining=explaining)
+    given_up = explaining and share > 0.5
+    assert (found.passes == 0) == given_up and found.converged != given_up
 
 
 @pytest.mark.parametrize(("explaining", "against"), [(True, True), (True, False), (False, True)])
