@@ -28,8 +28,16 @@ DD_CHANNELS = tuple(f"s{k}{axis}" for k in (1, 2, 3, 4) for axis in "xyz")
 
 
 def device_info(rate_hz: float = 8000.0, names: Sequence[str] = DD_CHANNELS) -> DeviceInfo:
+    """Describe a device."""
     channels = tuple(Channel(name, SCALE, 0.0, 49.0) for name in names)
     return DeviceInfo("test device", "1", "1", rate_hz, 1e6, channels)
+
+
+def resting_counts(n_sample: int) -> NDArray[np.int16]:
+    """Return noise about what level sensors at rest read."""
+    noise = np.random.default_rng(7).integers(-20, 20, (n_sample, len(DD_CHANNELS)))
+    noise[:, 2::3] += round(9.80665 / SCALE)
+    return noise.astype(np.int16)
 
 
 def wait_until(condition: Callable[[], bool], what: str, patience_s: float = PATIENCE_S) -> None:
@@ -186,24 +194,6 @@ def pty_device() -> Iterator[Callable[..., PtyDevice]]:
     yield make
     for device in devices:
         device.close()
-
-
-@pytest.fixture(scope="session")
-def make_info() -> Callable[..., DeviceInfo]:
-    """Describe a device: ``make_info(rate_hz=8000.0, names=DD_CHANNELS)``."""
-    return device_info
-
-
-@pytest.fixture(scope="session")
-def random_counts() -> Callable[[int], NDArray[np.int16]]:
-    """Return noise about what level sensors at rest read."""
-
-    def make(n_sample: int) -> NDArray[np.int16]:
-        noise = np.random.default_rng(7).integers(-20, 20, (n_sample, len(DD_CHANNELS)))
-        noise[:, 2::3] += round(9.80665 / SCALE)
-        return noise.astype(np.int16)
-
-    return make
 
 
 @pytest.fixture(scope="session", autouse=True)

@@ -11,8 +11,7 @@ from typing import Any
 import psutil
 import pytest
 
-from protocol.device_info import DeviceInfo
-from tests.daemon.conftest import Program, wait_until
+from tests.daemon.conftest import Program, device_info, wait_until
 from tests.patience import PATIENCE_S
 
 
@@ -32,27 +31,19 @@ def _interrupted(folder: Path, n_children: int, *arguments: str) -> tuple[int, s
 
 
 @pytest.mark.parametrize("n_children", [2, 3, 4])  # the first is multiprocessing's resource tracker
-def test_the_daemon(
-    tmp_path: Path,
-    pty_device: Callable[..., Any],
-    make_info: Callable[..., DeviceInfo],
-    n_children: int,
-) -> None:
+def test_the_daemon(tmp_path: Path, pty_device: Callable[..., Any], n_children: int) -> None:
     options = ("--arm", "dd-arm", "--record", str(tmp_path / "rec"), "--endpoint", f"ipc://{tmp_path}/f")
-    port = pty_device(make_info()).path
+    port = pty_device(device_info()).path
     code, said = _interrupted(tmp_path, n_children, "daemon", "run", "--port", port, *options)
     assert code == 0 and "Traceback" not in said and "Error" not in said
 
 
 def test_a_daemon_that_compiles_its_kernels_ends_without_them(
-    tmp_path: Path,
-    pty_device: Callable[..., Any],
-    make_info: Callable[..., DeviceInfo],
-    monkeypatch: pytest.MonkeyPatch,
+    tmp_path: Path, pty_device: Callable[..., Any], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("NUMBA_CACHE_DIR", str(tmp_path / "no-kernels"))
     options = ("--arm", "dd-arm", "--endpoint", f"ipc://{tmp_path}/f")
-    started = Program(tmp_path, "run", "--port", pty_device(make_info()).path, *options)
+    started = Program(tmp_path, "run", "--port", pty_device(device_info()).path, *options)
     try:
         wait_until(lambda: "compiling kernels" in started.said, "it compiled")
         started.family = psutil.Process(started.process.pid).children(recursive=True)

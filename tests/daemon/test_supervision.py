@@ -10,8 +10,6 @@ from typing import Any
 
 import pytest
 
-from limbcal.notify import notify
-from protocol.device_info import DeviceInfo
 from tests.daemon.conftest import wait_until
 
 Limbd = Callable[..., Any]
@@ -90,22 +88,6 @@ def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
     assert manager.values("STOPPING") == ["1"]
 
 
-def test_a_device_that_says_nothing_is_not_readiness(
-    limbd: Limbd,
-    manager: Manager,
-    pty_device: Callable[..., Any],
-    make_info: Callable[..., DeviceInfo],
-    tmp_path: Path,
-) -> None:
-    device = pty_device(make_info())
-    to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
-    daemon = limbd("run", "--port", device.path, *to)
-    daemon.announcement()
-    wait_until(lambda: len(manager.values("WATCHDOG")) >= 2, "the pipeline was heard")
-    assert not manager.values("READY")
-    assert daemon.stop() == 0
-
-
 def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manager, tmp_path: Path) -> None:
     link = tmp_path / "device"
     master, slave = os.openpty()
@@ -128,18 +110,3 @@ def test_a_silent_device_is_waited_for_where_one_is(limbd: Limbd, manager: Manag
     finally:
         os.close(master)
         os.close(slave)
-
-
-@pytest.mark.parametrize("address", ["", "/nowhere/at/all", "@limbcal-nobody-is-there"])
-def test_a_manager_that_is_not_there_is_no_trouble(monkeypatch: pytest.MonkeyPatch, address: str) -> None:
-    monkeypatch.setenv("NOTIFY_SOCKET", address)
-    assert not notify(READY=1)
-
-
-def test_a_manager_in_the_abstract_namespace_is_heard(monkeypatch: pytest.MonkeyPatch) -> None:
-    name = f"limbcal-test-{os.getpid()}"
-    with socket.socket(socket.AF_UNIX, socket.SOCK_DGRAM) as listener:
-        listener.bind("\0" + name)
-        monkeypatch.setenv("NOTIFY_SOCKET", "@" + name)
-        assert notify(READY=1, STATUS="two\nlines")
-        assert listener.recv(100) == b"READY=1\nSTATUS=two lines"

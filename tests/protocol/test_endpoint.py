@@ -1,5 +1,6 @@
 """Whom an address lets in, and that IPv6 is as good as IPv4."""
 
+import ipaddress
 import os
 import socket
 import stat
@@ -10,7 +11,7 @@ import zmq
 
 from limbcal.errors import ConfigError, DeviceError
 from protocol.binding import bind, connect
-from protocol.endpoint import parse_endpoint
+from protocol.endpoint import is_loopback, parse_endpoint, parse_host
 from protocol.message import TRIAL
 from protocol.publisher import Publisher
 from protocol.subscriber import Subscriber
@@ -197,6 +198,10 @@ def test_the_mask_is_as_it_was_where_nothing_could_be_bound(tmp_path: Path) -> N
         (f"inproc://{'n' * 65}", None),
         (f"ipc:///{'p' * 106}", f"ipc:///{'p' * 106}"),
         (f"ipc:///{'p' * 107}", None),
+        (f"ipc://{'ä' * 53}", f"ipc://{'ä' * 53}"),  # 106 bytes
+        (f"ipc://{'ä' * 54}", None),
+        ("tcp://a-b.c:1", "tcp://a-b.c:1"),
+        ("tcp://-a:1", None),
         ("ipc://", None),
         ("ipc://@abstract", None),
         ("ipc://*", None),
@@ -216,3 +221,33 @@ def test_only_addresses_of_ipv6_need_ipv6() -> None:
         assert parse_endpoint(other).is_ipv6 is False
     assert parse_endpoint("inproc://x").is_local is True
     assert parse_endpoint("ipc:///run/x").path == Path("/run/x") and parse_endpoint("inproc://x").path is None
+
+
+@pytest.mark.parametrize(
+    ("text", "local", "ipv6"),
+    [
+        ("127.0.0.1", True, False),
+        ("127.255.0.9", True, False),
+        ("128.0.0.1", False, False),
+        ("::1", True, True),
+        ("::2", False, True),
+        ("::ffff:127.0.0.1", True, True),
+        ("::ffff:8.8.8.8", False, True),
+        ("fe80::1%eth0", False, True),
+        ("0.0.0.0", False, False),
+    ],
+)
+def test_who_can_reach_an_address(text: str, local: bool, ipv6: bool) -> None:
+    found = parse_host(text)
+    assert found is not None and (found.is_local, found.is_ipv6) == (local, ipv6)
+    assert found.in_brackets == (f"[{text}]" if ipv6 else text)
+    endpoint = parse_endpoint(f"tcp://{found.in_brackets}:5770")
+    assert (endpoint.is_local, endpoint.is_ipv6) == (local, ipv6)
+    assert is_loopback(ipaddress.ip_address(text.partition("%")[0])) == local
+
+
+def test_localhost_is_an_address_and_a_star_is_everybody() -> None:
+    found = parse_endpoint("tcp://localhost:7")
+    assert (found.text, found.is_local) == ("tcp://127.0.0.1:7", True)
+    star = parse_host("*")
+    assert star is not None and (star.text, star.address, star.is_local) == ("*", None, False)

@@ -19,7 +19,6 @@ from protocol.subscriber import Subscriber
 from tests.hostile import frame, greet, part
 from tests.patience import PATIENCE_MS, PATIENCE_S
 
-MEGABYTE = 1e6
 #: Less than usual, so that the tests need not send so much [bytes].
 LIMIT = 4 << 20
 #: More than a subscriber may take in [bytes], and what its process may grow by: buffers, a few looks late.

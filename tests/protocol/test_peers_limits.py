@@ -186,7 +186,3 @@ def test_who_comes_by_is_looked_at_when_it_is_time(door: Door) -> None:
     door.now_s += 0.02 * LOOK_S
     door.peers.look()
     assert door.peers.refused == 1
-
-
-def test_who_takes_long_to_say_who_it_is_is_shown_out_by_zeromq(door: Door) -> None:
-    assert door.router.get(zmq.HANDSHAKE_IVL) == 3000  # [ms]

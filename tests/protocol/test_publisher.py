@@ -10,9 +10,6 @@ from limbcal.errors import ConfigError, DeviceError, ProtocolError
 from protocol.curve import gate_of, new_client
 from protocol.message import FRAMES, HEALTH, decode
 from protocol.publisher import Publisher
-from protocol.subscriber import Subscriber
-from protocol.subscriptions import FRAME_LIMIT
-from tests.patience import PATIENCE_MS
 
 
 @pytest.fixture
@@ -91,27 +88,6 @@ def test_close_may_be_repeated(context):
     publisher = Publisher(context, "tcp://127.0.0.1:*", "a", "1")
     publisher.close()
     publisher.close()
-
-
-def test_a_subscriber_that_sends_too_much_is_dropped_and_no_other(context, publisher):
-    with Subscriber(context, publisher.endpoint, [HEALTH]) as good, context.socket(zmq.SUB) as greedy:
-        monitor = greedy.get_monitor_socket(zmq.EVENT_DISCONNECTED)
-        greedy.set(zmq.LINGER, 0)
-        greedy.connect(publisher.endpoint)
-        greedy.subscribe(b"x" * (2 * FRAME_LIMIT))
-        assert monitor.poll(PATIENCE_MS), "it was not dropped"
-        greedy.disable_monitor()
-        monitor.close(0)
-        received = 0
-        while received < 20:
-            publisher.publish(HEALTH, {"uptime_s": 1.0})
-            received += good.receive(100) is not None
-        assert not good.missed
-
-
-def test_a_slow_subscriber_may_be_a_thousand_messages_behind(publisher):
-    assert (publisher.socket.get(zmq.SNDHWM), publisher.socket.get(zmq.LINGER)) == (1000, 250)
-    assert publisher.refused == 0 and not publisher.joined()
 
 
 @pytest.mark.parametrize("watched", [False, True])

@@ -89,12 +89,6 @@ def test_a_chunk_without_a_checksum_is_believed() -> None:
     assert list(chunk_records(chunk(b"", ""))) == []
 
 
-def test_a_chunk_may_become_64_mebibytes() -> None:
-    assert MAX_CHUNK_BYTES == 2**26
-    with pytest.raises(ValueError, match="it does not have the 67108864 bytes that it says"):
-        list(chunk_records(chunk(content(), "", size=2**26)))
-
-
 def test_what_else_is_in_a_chunk_is_passed_over() -> None:
     stranger = bytes([0x7F]) + struct.pack("<Q", 5) + b"hello"
     found = list(chunk_records(chunk(stranger + content(1) + stranger, "zstd")))

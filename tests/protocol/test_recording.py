@@ -149,17 +149,6 @@ def test_polling_flushes_when_no_more_messages_come(path, clock):
         assert numbers(path) == [0, 1, 2]
 
 
-def test_the_disk_is_made_to_have_it_once_a_second(path, clock, monkeypatch):
-    synced, fsync = [], os.fsync
-    monkeypatch.setattr(os, "fsync", lambda descriptor: (fsync(descriptor), synced.append(clock.now)))
-    with RecordingWriter(path, "", "", clock=clock) as writer:
-        assert len(synced) == 2  # the file and its name
-        fill(writer, clock, 5 * SECOND + 10)
-        assert len(synced) == 2 + 5
-        assert np.diff(synced[2:]) == pytest.approx(np.ones(4), abs=PERIOD_S + 1e-9)
-    assert len(synced) == 2 + 5 + 1
-
-
 @pytest.mark.parametrize("n", [3, 130, 1117])
 def test_a_writer_that_is_killed_costs_half_a_second(path, n):
     writer = subprocess.Popen([sys.executable, "-c", WRITE_UNTIL_KILLED, path], stdout=subprocess.PIPE, text=True)
@@ -201,11 +190,6 @@ def test_a_full_disk_is_said_and_what_was_written_stays(path, clock):
     found = numbers(path)
     assert found == list(range(len(found)))
     assert len(found) >= 100
-
-
-def test_a_negative_time_is_refused(path, clock):
-    with RecordingWriter(path, "", "", clock=clock) as writer, pytest.raises(ProtocolError, match="-1 ns"):
-        writer.write(FRAMES, b"\x80", -1)
 
 
 def test_the_size_is_known_and_closing_may_be_repeated(path, clock):
@@ -296,7 +280,7 @@ def test_messages_are_numbered_topic_by_topic(path, clock):
     assert attached == [("arm.toml", 0, 0), ("limbd.toml", 0, 0)]
 
 
-@pytest.mark.parametrize("room", range(20_000, 26_000, 300))
+@pytest.mark.parametrize("room", range(20_000, 26_000, 1500))
 def test_a_disk_that_is_full_within_a_chunk_leaves_none_of_it(path, clock, room):
     """What had not safely left is written to another file, and would be in both."""
     before = resource.getrlimit(resource.RLIMIT_FSIZE)

@@ -1,6 +1,5 @@
 """Nothing is lost, the order stays, memory is bounded, and the disk is given back."""
 
-import inspect
 import os
 import threading
 from collections import deque
@@ -133,6 +132,19 @@ def test_a_file_that_is_full_is_followed_by_another(tmp_path, file_bytes, files)
     assert open_files() == before and len(queue) == queue.memory == queue.spilled == 0
 
 
-def test_unless_said_there_are_64_mebibytes_of_each():
-    assert inspect.signature(SpillingQueue).parameters["memory_bytes"].default == 2**26
-    assert inspect.signature(SpillingQueue).parameters["file_bytes"].default == 2**26
+def test_a_message_beyond_memory_is_loaded_alone() -> None:
+    queue = SpillingQueue(2, 1000)
+    for k in range(3):
+        queue.put([b"%04d" % k])
+    assert queue.take() == [b"0000"] and queue.memory == 0
+    assert queue.take() == [b"0001"] and queue.memory == 0
+    queue.close()
+
+
+def test_a_disk_that_does_not_give_back_is_said() -> None:
+    queue = SpillingQueue(0, 1000)
+    queue.put([b"1"])
+    queue._files[0]._file.truncate(3)
+    with pytest.raises(DeviceError, match="messages that waited on the disk cannot be read again"):
+        queue.take()
+    queue.close()

@@ -175,14 +175,6 @@ def test_a_thread_looks_only_where_it_is_wanted(context, publisher, watched):
     assert not set(threading.enumerate()) - before
 
 
-def test_the_socket_keeps_ten_thousand_messages(subscriber):
-    socket = subscriber.socket
-    assert (socket.get(zmq.RCVHWM), socket.get(zmq.RECONNECT_IVL), socket.get(zmq.LINGER)) == (10_000, 20, 0)
-    assert socket.get(zmq.MAXMSGSIZE) == 16 * 1024 * 1024 + 4096
-    assert (subscriber.refused, subscriber.restarts, subscriber.run) == (0, 0, "first-run")
-    assert protocol.subscriber.UNREAD_LIMIT == 2**25
-
-
 def test_messages_without_numbers_count_for_nothing(publisher, subscriber):
     last = publisher.last_seq[FRAMES]
     for fields in ({"seq": "x"}, {"run": 5}, {}):

@@ -5,7 +5,7 @@ from collections.abc import Callable, Iterator
 import pytest
 import zmq
 
-from protocol.subscriptions import MOST_TOPICS, SENT_LIMIT, TOPIC_LIMIT, Subscriptions
+from protocol.subscriptions import MOST_TOPICS, TOPIC_LIMIT, Subscriptions
 
 PATIENCE_MS, TRIES = 100, 300
 Served = tuple["zmq.Context[zmq.Socket[bytes]]", Subscriptions, str]
@@ -69,13 +69,6 @@ def test_sixty_four_topics_at_a_time_are_no_more_than_there_may_be(served: Serve
 
         looked(subscriptions, heard)
         assert subscriptions.peers.refused == 0
-
-
-def test_the_socket_keeps_little_of_what_subscribers_send(served: Served) -> None:
-    _, subscriptions, _ = served
-    socket = subscriptions._socket
-    assert (socket.get(zmq.RCVHWM), socket.get(zmq.RCVBUF), socket.get(zmq.MAXMSGSIZE)) == (8, 16 * 1024, 512)
-    assert (TOPIC_LIMIT, MOST_TOPICS, SENT_LIMIT) == (64, 64, 32 * 1024)
 
 
 def test_what_is_no_topic_is_shown_out(served: Served) -> None:

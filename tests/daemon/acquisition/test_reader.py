@@ -11,9 +11,7 @@ import pytest
 from daemon.acquisition.reader import run_reader
 from daemon.acquisition.ring import Chunk, Mark, Ring, ring_memory
 from daemon.process.control_line import ControlLine
-from limbcal.errors import DeviceError
-from protocol.device_info import DeviceInfo
-from tests.daemon.conftest import PtyDevice, wait_until
+from tests.daemon.conftest import PtyDevice, device_info, wait_until
 from tests.patience import PATIENCE_S
 
 MakeDevice = Callable[..., PtyDevice]
@@ -75,8 +73,10 @@ def reading() -> Iterator[Callable[..., Reading]]:
 
 
 @pytest.fixture
-def device(pty_device: MakeDevice, make_info: Callable[..., DeviceInfo]) -> PtyDevice:
-    return pty_device(make_info(8000.0), on_start=b"samples")
+def device(
+    pty_device: MakeDevice,
+) -> PtyDevice:
+    return pty_device(device_info(8000.0), on_start=b"samples")
 
 
 @pytest.fixture
@@ -123,47 +123,6 @@ def test_what_comes_after_a_stop_is_still_read(
     assert one.data() == 10_000 * b"12345"
 
 
-def test_a_port_that_is_not_there_is_an_error_unless_it_is_waited_for(
-    reading: Callable[..., Reading], tmp_path: Path
-) -> None:
-    one = reading(tmp_path / "nothing")
-    one.end()
-    assert isinstance(one.error, DeviceError)
-    assert "nothing" in str(one.error)
-
-
-def test_a_port_that_is_not_there_is_tried_less_and_less_often(
-    reading: Callable[..., Reading], tmp_path: Path
-) -> None:
-    one = reading(tmp_path / "nothing", wait=True)
-    assert "nothing" in str(one.hears("trying", "waiting")[1]["sentence"])
-    one.hears("trying", "trying", "trying")  # the sentence is the same, and not said again
-    assert time.monotonic() - one.began_s >= 0.1 + 0.2 + 0.4
-
-
-def test_a_port_that_appears_is_opened_before_it_is_due(
-    reading: Callable[..., Reading], tmp_path: Path, device: PtyDevice
-) -> None:
-    name = tmp_path / "port"
-    one = reading(name, wait=True)
-    one.hears("trying", "waiting", "trying", "trying", "trying", "trying")  # the next try is due in a second
-    name.symlink_to(device.path)
-    appeared_s = time.monotonic()
-    one.hears("ready")
-    assert device.commands == b"STOP\n"
-    assert time.monotonic() - appeared_s < 1.0
-
-
-def test_a_silent_device_is_started_again(reading: Callable[..., Reading], port: Path, device: PtyDevice) -> None:
-    one = reading(port)
-    one.hears("ready")
-    one.line.tell("start")
-    begin_s = time.monotonic()
-    wait_until(lambda: device.commands.count(b"START\n") >= 2, "it is started again")
-    assert len(one.marks()) >= 2 and set(one.marks()) == {Mark.ASKED}  # each may be answered by a frame
-    assert time.monotonic() - begin_s >= 0.5
-
-
 def test_a_name_that_means_another_device_is_opened_anew(
     reading: Callable[..., Reading], port: Path, device: PtyDevice, pty_device: MakeDevice
 ) -> None:
@@ -181,15 +140,3 @@ def test_a_name_that_means_another_device_is_opened_anew(
     assert [mark for mark in marks if mark is not Mark.ASKED] == [Mark.LOST, Mark.OPENED]
     assert marks[marks.index(Mark.OPENED) + 1] is Mark.ASKED
     assert one.data(Mark.LOST).decode() == said[0]["sentence"]
-
-
-def test_a_device_that_goes_before_it_was_started_is_an_error(
-    reading: Callable[..., Reading], port: Path, pty_device: MakeDevice
-) -> None:
-    one = reading(port)
-    one.hears("ready")
-    other = pty_device(None)
-    port.unlink()
-    port.symlink_to(other.path)
-    wait_until(lambda: one.error is not None, "it is said")
-    assert "went away while it was read" in str(one.error)

@@ -73,6 +73,12 @@ def test_an_outlier_is_left_out_of_line_and_spread() -> None:
     assert (line.device_s, line.span_s) == pytest.approx((device[rest].mean(), 11 / 8))
 
 
+def test_arrivals_on_a_line_are_all_taken() -> None:
+    line = in_stretches(np.zeros(8), rate=1.125).line()
+    assert line is not None and line.rate == pytest.approx(1.125)
+    assert line.spread_s == pytest.approx(0.0, abs=1e-12)
+
+
 def test_four_stretches_are_a_line_and_three_are_none() -> None:
     assert in_stretches(np.zeros(3)).line() is None
     assert in_stretches(np.zeros(4)).line() is not None
@@ -109,3 +115,11 @@ def test_lateness_is_judged_by_the_rate_given_and_then_by_the_line() -> None:
     assert first is not None and second is not None
     assert (first.rate, first.device_s) == pytest.approx((0.5, 5.5 / 8))
     assert (second.rate, second.device_s) == pytest.approx((0.5, (2.0 + 5.5) / 2 / 8))
+
+
+def test_arrivals_at_one_moment_are_no_line() -> None:
+    arrivals = LeastLate(1.0)
+    arrivals.note(0.0, 0.0)
+    for _ in range(4):
+        assert not arrivals.note(0.0, 0.0)
+    assert arrivals.line() is None

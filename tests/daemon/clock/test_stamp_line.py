@@ -42,16 +42,6 @@ def test_a_better_line_is_approached() -> None:
     assert line.at(40.0) == pytest.approx(40.02, abs=0.02 * 0.02)  # four time constants
 
 
-def test_stamps_wait_for_arrivals_that_they_are_ahead_of() -> None:
-    line = StampLine(1.0)
-    line.stamp(1.0)
-    line.hold_back(1.01, 0.98)
-    assert line.stamp(1.01) == pytest.approx(1.005)  # at half the rate
-    line.hold_back(1.05, 1.03)
-    assert line.stamp(1.05) == pytest.approx(1.03)
-    assert line.at(1.06) == pytest.approx(1.04)
-
-
 @pytest.mark.parametrize(
     ("offset_s", "rate"), [(1.0, 1.01), (0.11, 1.01), (0.02, 1.002), (-0.02, 0.998), (-0.11, 0.99), (-1.0, 0.99)]
 )
@@ -63,14 +53,6 @@ def test_a_line_is_approached_in_ten_seconds_by_a_hundredth_at_most(offset_s: fl
     assert (line.at(-1.0), line.at(1.0)) == pytest.approx((-1.0, 1.0))
 
 
-def test_before_anything_is_stamped_all_of_the_line_is_held_back() -> None:
-    line = StampLine(2.0)
-    line.hold_back(1.0, 2.0)
-    assert (line.at(0.0), line.at(1.0)) == (0.0, 2.0)
-    line.hold_back(1.0, 1.5)
-    assert (line.at(0.0), line.at(1.0)) == (-0.5, 1.5)
-
-
 def test_what_was_stamped_is_neither_held_back_nor_caught_up() -> None:
     line = StampLine(2.0)
     line.stamp(1.0)
@@ -80,3 +62,57 @@ def test_what_was_stamped_is_neither_held_back_nor_caught_up() -> None:
     line.catch_up(0.25)
     assert (line.at(0.5), line.at(1.0)) == (1.0, 2.0)
     assert line.at(3.0) == pytest.approx(6.25)
+
+
+def stamped_until(at_s: float, rate: float = 1.0) -> StampLine:
+    line = StampLine(rate)
+    line.stamp(at_s)
+    return line
+
+
+def test_the_line_to_come_begins_where_was_stamped_last() -> None:
+    line = stamped_until(2.0)
+    assert line.stamp(1.0) == 1.0  # of before; the last one is still that at 2
+    assert line.approach(1.5, -1.0) == 0.0
+    assert [line.at(at_s) for at_s in (1.0, 2.0, 4.0)] == [1.0, 2.0, 5.0]
+
+
+def test_each_time_lies_on_its_own_piece() -> None:
+    line = StampLine(1.0)
+    for at_s, rate in ((1.0, 2.0), (2.0, 3.0), (3.0, 1.0)):
+        line.stamp(at_s)
+        line.approach(rate, line.at(at_s) - rate * at_s)
+    assert [line.at(at_s) for at_s in (0.5, 1.0, 1.5, 2.0, 2.5, 3.0, 4.0)] == pytest.approx(
+        [0.5, 1.0, 2.0, 3.0, 4.5, 6.0, 7.0]
+    )
+
+
+@pytest.mark.parametrize(
+    ("most_s", "then"), [(3.0, (3.0, 4.0)), (2.999, (2.999, 3.999)), (2.6, (2.6, 3.6)), (2.0, (2.5, 3.5))]
+)
+def test_stamps_wait_at_half_their_rate_at_the_most(most_s: float, then: tuple[float, float]) -> None:
+    line = stamped_until(2.0)
+    line.hold_back(3.0, most_s)
+    assert (line.at(3.0), line.at(4.0)) == pytest.approx(then)
+    assert line.at(2.0) == 2.0
+
+
+def test_what_waits_goes_on_by_a_share_of_its_rate() -> None:
+    line = stamped_until(2.0, 1.2)
+    line.hold_back(3.0, 0.0)
+    assert (line.at(2.0), line.at(3.0), line.at(4.0)) == pytest.approx((2.4, 3.0, 4.2))
+
+
+def test_before_anything_was_stamped_the_whole_line_is_moved() -> None:
+    line = StampLine(1.0)
+    line.hold_back(2.0, 1.5)
+    assert (line.at(0.0), line.at(2.0)) == (-0.5, 1.5)
+    line.catch_up(0.25)
+    assert (line.at(0.0), line.at(2.0)) == (-0.25, 1.75)
+
+
+def test_a_newer_line_takes_the_place_of_one_that_nobody_asked() -> None:
+    line = stamped_until(1.0)
+    line.hold_back(3.0, 2.2)
+    line.approach(1.0, 0.0)
+    assert [line.at(at_s) for at_s in (1.0, 2.0, 3.0, 4.0)] == pytest.approx([1.0, 2.0, 3.0, 4.0])

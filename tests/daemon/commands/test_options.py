@@ -106,11 +106,13 @@ def test_a_fast_clock_samples_fast(
 ) -> None:
     served: list[VirtualOptions] = []
     monkeypatch.setattr("daemon.virtual_device.virtual_loop.serve", served.append)
-    options = virtual_options(*texts, "--frame-samples", "16", "--wraps-s", "3", "--seed", "4", "--trials", "5")
+    more = ("--frame-samples", "16", "--wraps-s", "3", "--seed", "4", "--trials", "5", "--highpass-hz", "0.5")
+    options = virtual_options(*texts, *more)
     options.json = False
     options.action(options)
     (one,) = served
     assert one.plan.rate_hz == one.timing.sampled_hz == pytest.approx(sampled_hz)
     assert (one.timing.clock, one.timing.wraps_s, one.timing.frame_samples) == (pytest.approx(clock), 3.0, 16)
     assert one.claimed_hz == (8000.0 if "8000" in texts else 32000.0)
-    assert (one.plan.seed, one.plan.trials, one.speed, one.faults, one.patient) == (4, 5, 1.0, (), False)
+    assert (one.plan.seed, one.plan.trials, one.plan.highpass_hz) == (4, 5, 0.5)
+    assert (one.speed, one.faults, one.patient) == (1.0, (), False)

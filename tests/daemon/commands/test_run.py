@@ -1,7 +1,9 @@
 """`limbd run` end to end: devices on real ptys, real subscribers, real files."""
 
+import json
 import os
 import signal
+import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -13,12 +15,14 @@ import zmq
 from numpy.typing import NDArray
 
 from arm.arm_file import load_arm, parse_arm
+from daemon.__main__ import main
 from daemon.virtual_device.virtual_motion import BenchPlan, stretches
-from protocol.device_info import DeviceInfo
 from protocol.message import FRAMES, HEALTH, PLOT, RAW, TRIAL
 from protocol.recording_reader import read_recording, recording_attachments
 from protocol.serial_frame import encode_samples
 from protocol.subscriber import Subscriber
+from tests.daemon.conftest import SCALE, device_info, resting_counts
+from tests.daemon.monitoring.test_metrics import scrape
 from tests.patience import PATIENCE_MS
 
 Limbd = Callable[..., Any]
@@ -28,6 +32,12 @@ ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 #: Where it does not matter how motion is tracked: the paper's method is loaded in half the time.
 PLAIN = (*ANY_ENDPOINT, "--method", "integrate")
 COUNT = 5.0 * 9.80665 / 32768
+
+
+def free_port() -> int:
+    with socket.socket() as probe:
+        probe.bind(("127.0.0.1", 0))
+        return int(probe.getsockname()[1])
 
 
 @pytest.fixture
@@ -71,30 +81,18 @@ def sample_frames(counts: NDArray[np.int16], skip: frozenset[int] = frozenset())
 
 
 def test_the_virtual_arm_is_followed_without_loss(
-    limbd: Limbd, subscribe: Callable[..., Subscriber], tmp_path: Path
+    limbd: Limbd, subscribe: Callable[..., Subscriber], tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
     plan = BenchPlan(load_arm("dd-arm"), seed=3, rate_hz=16000.0, trials=1)
     link = tmp_path / "device"
-    arguments = (
-        "--link",
-        str(link),
-        "--rate-hz",
-        "16000",
-        "--seed",
-        "3",
-        "--trials",
-        "1",
-        "--speed",
-        "4",
-        "--patient",  # what is sent and received is compared, and not how fast a busy machine reads
-        "--json",
-    )
-    device = limbd("virtual", *arguments)
+    bench = ("--rate-hz", "16000", "--seed", "3", "--trials", "1", "--speed", "4")
+    # Patient: what is sent and received is compared, and not how fast a busy machine reads.
+    device = limbd("virtual", "--link", str(link), *bench, "--patient", "--json")
     device.announcement()
-    config = tmp_path / "limbd.toml"
+    config, metrics_port = tmp_path / "limbd.toml", free_port()
     config.write_text(
         f'[device]\nport = "{link}"\n[arm]\nfile = "dd-arm"\n[tracking]\nmethod = "integrate"\n'
-        '[publish]\nendpoint = "tcp://127.0.0.1:*"\nraw = true\n'
+        f'[publish]\nendpoint = "tcp://127.0.0.1:*"\nraw = true\n[metrics]\naddress = "127.0.0.1:{metrics_port}"\n'
     )
     daemon = limbd("run", "--config", str(config), "--record", str(tmp_path / "rec"), "--json")
     announced = daemon.announcement()
@@ -104,6 +102,9 @@ def test_the_virtual_arm_is_followed_without_loss(
     while not (health := heard.get(HEALTH)) or health[-1]["samples"] < 8 * 16000:
         topic, fields = receive(subscriber)
         heard.setdefault(topic, []).append(fields)
+    assert subscriber.missed == {}
+    tells_how_it_is(announced["endpoint"], capfd)
+    is_scraped(metrics_port)
     assert daemon.stop() == 0
 
     frames = heard[FRAMES]
@@ -113,7 +114,6 @@ def test_the_virtual_arm_is_followed_without_loss(
     assert max(block["n"] for block in frames) == 10
     assert frames[0]["points"].shape == (frames[0]["n"], 4, 3)
     assert "q_std" not in frames[0]
-    assert subscriber.missed == {}
     assert health[-1]["lost_samples"] == health[-1]["crc_errors"] == 0
     assert health[-1]["recording"] == announced["recording"]
     assert health[-1]["connected"] is True
@@ -158,54 +158,63 @@ def test_the_virtual_arm_is_followed_without_loss(
     assert not link.is_symlink()
 
 
-@pytest.mark.parametrize("method", ["integrate", "filter"])
-def test_what_a_device_skips_is_counted_and_marked(
-    limbd: Limbd,
-    pty_device: MakeDevice,
-    subscribe: Callable[..., Subscriber],
-    make_info: Callable[..., DeviceInfo],
-    random_counts: Callable[[int], NDArray[np.int16]],
-    tmp_path: Path,
-    method: str,
+def tells_how_it_is(endpoint: str, capfd: pytest.CaptureFixture[str]) -> None:
+    """`limbd status` beside a running daemon, for a script and for a person."""
+    assert main(["status", "--endpoint", endpoint, "--json"]) == 0
+    health = json.loads(capfd.readouterr().out)
+    assert health["connected"] and health["arm"] == "dd-arm"
+    assert health["readings"].keys() == health["still"].keys() == {"s1", "s2", "s3", "s4"}
+    assert main(["status", "--endpoint", endpoint, "--once"]) == 0
+    said = capfd.readouterr().out
+    for word in ("limbd, arm dd-arm", "connected", "samples", "16000 Hz by its INFO", "joint", "reads s1"):
+        assert word in said
+
+
+def is_scraped(port: int) -> None:
+    """Prometheus beside a running daemon."""
+    found = scrape(port)
+    assert found["limbcal_samples_total"] >= 8 * 16000 and found["limbcal_connected"] == 1.0
+    assert found["limbcal_samples_lost_total"] == found["limbcal_checksum_errors_total"] == 0.0
+    assert 0.0 < found["limbcal_latency_seconds 0.5"] <= found["limbcal_latency_seconds 0.99"]
+
+
+def test_a_run_counts_and_marks_what_its_device_skips_and_outlives_it(
+    limbd: Limbd, pty_device: MakeDevice, subscribe: Callable[..., Subscriber], tmp_path: Path
 ) -> None:
-    counts = random_counts(16000)
-    skip = frozenset({100, 101, 250})
-    stream = sample_frames(counts, skip)
+    counts = resting_counts(16000)
+    stream = sample_frames(counts, skip=frozenset({100, 101, 250}))
     broken = bytearray(stream)
     broken[300 * 796 + 100] ^= 0x40  # one bit of the payload of one frame
-    device = pty_device(make_info(8000.0), bytes(broken[:200_000]) + b"noise in between" + bytes(broken[200_000:]))
-    arguments = ("--port", device.path, "--arm", "dd-arm", "--method", method, "--record", str(tmp_path))
-    daemon = limbd("run", *arguments, *ANY_ENDPOINT, "--json")
+    device = pty_device(device_info(), bytes(broken[:200_000]) + b"noise in between" + bytes(broken[200_000:]))
+    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--record", str(tmp_path), *PLAIN, "--json")
     announced = daemon.announcement()
     subscriber = subscribe(announced["endpoint"], HEALTH)
     while next_health(subscriber)["samples"] < 16000 - 5 * 32:
         pass
-    assert daemon.stop() == 0
-    assert device.commands.startswith(b"STOP\nINFO\n")
-    assert device.commands.endswith(b"START\nSTOP\n")
+    assert device.commands.startswith(b"STOP\nINFO\n") and device.commands.endswith(b"START\n")
+    device.close()
+    while next_health(subscriber)["connected"]:
+        pass
+    assert f"warning: port {device.path}: the device went away" in daemon.said
+    # Ctrl-C reaches every process of the terminal; the children leave it to the supervisor.
+    for process in [*daemon.family, psutil.Process(daemon.process.pid)]:
+        process.send_signal(signal.SIGINT)
+    assert daemon.wait() == 0
+
     last = recorded(announced["recording"], HEALTH)[-1]
-    raw = recorded(announced["recording"], RAW)
     assert last["lost_samples"] == 5 * 32  # three skipped, one broken, one torn apart by noise
     assert last["samples"] + last["lost_samples"] == 16000
     assert last["crc_errors"] == 2
     assert last["resyncs"] >= 1
-    scale = make_info().channels[0].scale
+    raw = recorded(announced["recording"], RAW)
+    assert sum(block["n"] for block in raw) == last["samples"]
     for block in raw:
         expected = counts[block["sample0"] : block["sample0"] + block["n"]]
-        np.testing.assert_array_equal(np.rint(block["a"] / scale), expected)
+        np.testing.assert_array_equal(np.rint(block["a"] / SCALE), expected)
     frames = recorded(announced["recording"], FRAMES)
-    jumps = [
-        after["frame0"] - before["frame0"] - before["n"] for before, after in zip(frames, frames[1:], strict=False)
-    ]
-    if method == "integrate":
-        assert sum(block["gap"] for block in frames) == 4
-        assert min(jumps) == 0
-        assert sum(jump > 0 for jump in jumps) <= 4
-    else:  # a block that bridges each hole, and the one after it
-        marked = [block["frame0"] for block in frames if block["gap"]]
-        assert len(marked) == 8
-        assert set(jumps) == {0}
-        assert marked[0] == pytest.approx(100 * 32 / 8, abs=1)
+    assert sum(block["gap"] for block in frames) == 4
+    jumps = [b["frame0"] - a["frame0"] - a["n"] for a, b in zip(frames, frames[1:], strict=False)]
+    assert min(jumps) == 0 and sum(jump > 0 for jump in jumps) <= 4
 
 
 def test_garbage_is_told_and_nothing_is_left(limbd: Limbd, pty_device: MakeDevice, tmp_path: Path) -> None:
@@ -219,30 +228,8 @@ def test_garbage_is_told_and_nothing_is_left(limbd: Limbd, pty_device: MakeDevic
     assert not list((tmp_path / "rec").iterdir())
 
 
-def test_another_arms_device_is_refused(
-    limbd: Limbd, pty_device: MakeDevice, make_info: Callable[..., DeviceInfo]
-) -> None:
-    device = pty_device(make_info(names=["x", "y"]))
-    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", *ANY_ENDPOINT)
-    assert daemon.wait() == 3
-    assert "the device's channels are x y, expected the sensors of arm 'dd-arm': s1x" in daemon.said
-
-
-def test_ports_that_cannot_be_opened(limbd: Limbd, tmp_path: Path) -> None:
-    nowhere = limbd("run", "--port", str(tmp_path / "tty"), "--arm", "dd-arm")
-    plain = tmp_path / "plain"
-    plain.write_text("no tty")
-    no_tty = limbd("run", "--port", str(plain), "--arm", "dd-arm")
-    assert nowhere.wait() == no_tty.wait() == 3
-    assert f"error: port {tmp_path / 'tty'} does not exist, expected the serial port" in nowhere.said
-    assert "; `limbd run --wait` waits for it" in nowhere.said and "--wait" not in no_tty.said
-    assert f"error: port {plain} is not a serial port, expected the tty of the device" in no_tty.said
-
-
-def test_ports_and_endpoints_that_are_taken(
-    limbd: Limbd, pty_device: MakeDevice, make_info: Callable[..., DeviceInfo]
-) -> None:
-    device, other = pty_device(make_info()), pty_device(make_info())
+def test_ports_and_endpoints_that_are_taken(limbd: Limbd, pty_device: MakeDevice) -> None:
+    device, other = pty_device(device_info()), pty_device(device_info())
     first = limbd("run", "--port", device.path, "--arm", "dd-arm", *PLAIN, "--json")
     endpoint = first.announcement()["endpoint"]
     same_port = limbd("run", "--port", device.path, "--arm", "dd-arm", *ANY_ENDPOINT)
@@ -250,44 +237,15 @@ def test_ports_and_endpoints_that_are_taken(
     assert same_port.wait() == same_endpoint.wait() == 3
     assert f"error: port {device.path} is already taken" in same_port.said
     assert f"error: endpoint {endpoint} is already taken" in same_endpoint.said
-    # Ctrl-C reaches every process of the terminal; the children leave it to the supervisor.
-    for process in [*first.family, psutil.Process(first.process.pid)]:
-        process.send_signal(signal.SIGINT)
-    assert first.wait() == 0
-
-
-def test_a_device_that_goes_away_is_waited_for_with_all_it_sent_on_disk(
-    limbd: Limbd,
-    pty_device: MakeDevice,
-    subscribe: Callable[..., Subscriber],
-    make_info: Callable[..., DeviceInfo],
-    random_counts: Callable[[int], NDArray[np.int16]],
-    tmp_path: Path,
-) -> None:
-    device = pty_device(make_info(8000.0), sample_frames(random_counts(8000)))
-    daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--record", str(tmp_path), *PLAIN, "--json")
-    announced = daemon.announcement()
-    subscriber = subscribe(announced["endpoint"], HEALTH)
-    while next_health(subscriber)["samples"] < 8000:
-        pass
-    device.close()
-    while next_health(subscriber)["connected"]:
-        pass
-    assert f"warning: port {device.path}: the device went away" in daemon.said
-    assert daemon.stop() == 0
-    assert sum(block["n"] for block in recorded(announced["recording"], RAW)) == 8000
+    assert first.stop() == 0
+    assert device.commands.endswith(b"START\nSTOP\n")
 
 
 @pytest.mark.parametrize("victim", ["pipeline", "supervisor"])
 def test_a_killed_process_takes_all_with_it(
-    limbd: Limbd,
-    pty_device: MakeDevice,
-    subscribe: Callable[..., Subscriber],
-    make_info: Callable[..., DeviceInfo],
-    tmp_path: Path,
-    victim: str,
+    limbd: Limbd, pty_device: MakeDevice, subscribe: Callable[..., Subscriber], tmp_path: Path, victim: str
 ) -> None:
-    device = pty_device(make_info())
+    device = pty_device(device_info())
     daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--record", str(tmp_path), *PLAIN, "--json")
     announced = daemon.announcement()
     subscriber = subscribe(announced["endpoint"], HEALTH)
@@ -304,21 +262,16 @@ def test_a_killed_process_takes_all_with_it(
 
 
 def test_a_failing_disk_does_not_stop_the_stream(
-    limbd: Limbd,
-    subscribe: Callable[..., Subscriber],
-    pty_device: MakeDevice,
-    make_info: Callable[..., DeviceInfo],
-    random_counts: Callable[[int], NDArray[np.int16]],
-    tmp_path: Path,
+    limbd: Limbd, subscribe: Callable[..., Subscriber], pty_device: MakeDevice, tmp_path: Path
 ) -> None:
-    device = pty_device(make_info(8000.0))
+    device = pty_device(device_info(8000.0))
     daemon = limbd("run", "--port", device.path, "--arm", "dd-arm", "--record", str(tmp_path), *PLAIN, "--json")
     announced = daemon.announcement()
     recorder = psutil.Process(announced["processes"]["recorder"])
     recorder.rlimit(psutil.RLIMIT_FSIZE, (10_000, 10_000))
     subscriber = subscribe(announced["endpoint"], HEALTH, FRAMES)
     next_health(subscriber)
-    device.write(sample_frames(random_counts(8000)))
+    device.write(sample_frames(resting_counts(8000)))
     while (fields := next_health(subscriber))["recording"] is not None or fields["samples"] < 8000:
         pass
     assert fields["lost_samples"] == 0

@@ -5,8 +5,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from daemon.config.config import format_config, load_setup
-from limbcal.errors import ConfigError
+from arm.arm_file import format_arm, load_arm
+from daemon.config.config import format_config, load_setup, replayed_setup
+from limbcal.errors import ConfigError, DataError
+from protocol.recording import RecordingWriter
 
 EXAMPLE = Path(__file__).parents[3] / "examples" / "limbd.toml"
 
@@ -181,3 +183,130 @@ def test_an_endpoint_that_others_can_reach_needs_keys(tmp_path: Path) -> None:
         load_setup(None, flags)
     flags["publish"]["keys"] = str(tmp_path)
     assert load_setup(None, flags).config.publish.keys == str(tmp_path)
+
+
+DEVICE = {"device": {"port": "/dev/ttyX"}}
+
+
+FLAGS = {**DEVICE, "arm": {"file": "dd-arm"}}
+
+
+def mistakes(flags: dict, path: Path | None = None) -> list[str]:
+    with pytest.raises(ConfigError) as caught:
+        load_setup(path, flags)
+    return caught.value.mistakes
+
+
+@pytest.mark.parametrize("endpoint", ["tcp://127.0.0.1:1", "tcp://[::1]:5770", "ipc:///tmp/frames"])
+def test_an_endpoint_of_this_machine_needs_no_keys(endpoint: str) -> None:
+    setup = load_setup(None, {**FLAGS, "publish": {"endpoint": endpoint}})
+    assert (setup.config.publish.endpoint, setup.config.publish.keys) == (endpoint, None)
+
+
+@pytest.mark.parametrize(
+    ("publish", "said"),
+    [
+        ({"endpoint": "inproc://x"}, "arguments: publish.endpoint is 'inproc://x', expected tcp:// or ipc://"),
+        (
+            {"endpoint": "tcp://0.0.0.0:1"},
+            "arguments: publish.endpoint is 'tcp://0.0.0.0:1', which other machines",
+        ),
+        ({"endpoint": "nonsense"}, "arguments: publish.endpoint is 'nonsense'"),
+        ({"endpoint": 5770}, "publish.endpoint is 5770"),
+        ({"keys": ""}, "publish.keys is ''"),
+    ],
+)
+def test_an_endpoint_that_will_not_do_is_one_mistake(publish: dict, said: str) -> None:
+    (mistake,) = mistakes({**FLAGS, "publish": publish})
+    assert said in mistake
+
+
+def test_where_a_mistake_is_depends_on_what_was_given(tmp_path: Path) -> None:
+    path = tmp_path / "limbd.toml"
+    path.write_text('[device]\nport = "/dev/x"\nbaud = -1\n[arm]\nfile = "dd-arm"\n')
+    assert mistakes({}, path)[0].startswith(f"{path}: device.baud is -1")
+    assert mistakes(DEVICE, path)[0].startswith(f"{path} with its flags: device.baud is -1")
+    assert mistakes({**FLAGS, "device": {"port": "x", "baud": 0}})[0].startswith("arguments: device.baud is 0")
+
+
+def test_what_is_missing_is_said_with_its_flag() -> None:
+    (mistake,) = mistakes(DEVICE)
+    assert mistake == "arguments: arm.file is missing; expected in the config file or as --arm"
+    (mistake,) = mistakes({"arm": {"file": "dd-arm"}})
+    assert mistake == "arguments: device.port is missing; expected in the config file or as --port"
+    (mistake,) = mistakes({**FLAGS, "record": {"file_mb": 5.0}})
+    assert mistake == "arguments: record.directory is missing"
+
+
+@pytest.mark.parametrize(
+    ("tables", "said"),
+    [
+        ({"arm": {"file": 5}}, "arm.file is 5"),
+        ({"tracking": {"initial_q_rad": []}}, "initial_q_rad has 0 numbers, expected one a joint of 'dd-arm' (2)"),
+        ({"tracking": {"frame_rate_hz": 1e-300}}, "tracking.frame_rate_hz is 1e-300"),
+        ({"record": {"directory": "x", "file_mb": 0.9}}, "record.file_mb is 0.9"),
+        (
+            {"metrics": {"address": "127.0.0.1:99999"}},
+            "metrics.address is '127.0.0.1:99999'; expected 127.0.0.1:PORT, localhost:PORT or [::1]:PORT, "
+            "with a port up to 65535",
+        ),
+    ],
+)
+def test_a_value_that_will_not_do_is_said_with_its_field(tables: dict, said: str) -> None:
+    (mistake,) = mistakes({**FLAGS, **tables})
+    assert said in mistake
+
+
+def test_what_is_attached_to_a_recording_says_each_value_and_no_table_that_is_not() -> None:
+    text = format_config(load_setup(None, {**FLAGS, "publish": {"raw": True}}).config)
+    assert text.startswith(
+        '[device]\nport = "/dev/ttyX"\nbaud = 12000000\nreal_time = true\n\n[arm]\nfile = "dd-arm"\n'
+    )
+    assert "raw = true" in text and "[record]" not in text and "zero" not in text
+
+
+CONFIG = (
+    '[device]\nport = "/dev/old"\n[arm]\nfile = "gone.toml"\n[tracking]\nmethod = "integrate"\n'
+    '[publish]\nendpoint = "tcp://*:1"\nraw = true\nkeys = "keys"\n[record]\ndirectory = "x"\n'
+    '[metrics]\naddress = "127.0.0.1:9464"\n'
+)
+
+
+@pytest.fixture
+def recording(tmp_path: Path) -> Path:
+    path = tmp_path / "run.mcap"
+    RecordingWriter(path, format_arm(load_arm("dd-arm-vertical")), CONFIG).close()
+    return path
+
+
+def test_a_recorded_run_has_its_arm_and_config_and_publishes_here_alone(recording: Path) -> None:
+    setup = replayed_setup(recording, {}, 2.5)
+    assert (setup.replay, setup.speed) == (recording, 2.5)
+    assert setup.arm.name == "dd-arm-vertical"
+    assert (setup.config.device.port, setup.config.tracking.method) == ("/dev/old", "integrate")
+    assert (setup.config.publish.endpoint, setup.config.publish.raw) == ("tcp://127.0.0.1:5770", True)
+    assert setup.config.publish.keys is None and setup.config.record is None
+    assert setup.config.metrics is None  # the service that recorded it may be running beside
+
+
+def test_flags_win_over_a_recorded_run(recording: Path, tmp_path: Path) -> None:
+    flags = {"arm": {"file": "dd-arm"}, "publish": {"raw": False}, "record": {"directory": str(tmp_path)}}
+    setup = replayed_setup(recording, flags, 1.0)
+    assert setup.arm.name == "dd-arm" and setup.config.publish.raw is False
+    assert setup.config.record is not None and setup.config.record.directory == str(tmp_path)
+    with pytest.raises(ConfigError, match=f"{recording}: trials.learning is -1"):
+        replayed_setup(recording, {"trials": {"learning": -1}}, 1.0)
+
+
+def test_a_recording_of_something_else_cannot_be_replayed(tmp_path: Path, recording: Path) -> None:
+    cut = tmp_path / "cut.mcap"
+    data = recording.read_bytes()
+    cut.write_bytes(data[: data.index(b"limbd.toml") - 29])
+    with pytest.raises(DataError, match=r"cut\.mcap: limbd\.toml are not attached to it"):
+        replayed_setup(cut, {}, 1.0)
+    cut.write_bytes(data[:20])
+    with pytest.raises(DataError, match=r"cut\.mcap: arm\.toml and limbd\.toml are not attached to it"):
+        replayed_setup(cut, {}, 1.0)
+    RecordingWriter(tmp_path / "bad.mcap", "arm", "device = [").close()
+    with pytest.raises(ConfigError, match=r"limbd\.toml in .*bad\.mcap"):
+        replayed_setup(tmp_path / "bad.mcap", {}, 1.0)

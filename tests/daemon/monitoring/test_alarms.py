@@ -1,12 +1,15 @@
 """Alarms are raised for a cause, say what to do, and neither begin nor end with a single second."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from daemon.monitoring.alarms import ADVICE, Alarms, wrong_channels
-from daemon.reception.channel_watch import ChannelWatch
+from daemon.reception.channel_watch import ChannelWatch, Reading
 from protocol.device_info import Channel
 
 NAMES = [f"s{k}{axis}" for k in (1, 2) for axis in "xyz"]
@@ -76,3 +79,74 @@ def test_every_alarm_says_what_to_do() -> None:
     begun, _ = alarms.report(wrong, 2)
     assert len(begun) == len(ADVICE)
     assert all(alarm.document()["do"] and ADVICE[alarm.name] in alarm.sentence for alarm in begun)
+
+
+G = 9.80665
+
+
+NONE = np.zeros(6, dtype=np.int64)
+
+
+def reading() -> Reading:
+    """Return what two sensors at rest read: along z, with a noise of 0.01 m/s^2."""
+    mean = np.array([0.0, 0.0, G, 0.0, 0.0, G])
+    return Reading(1001, mean, np.full(6, 0.01), np.full(6, 0.01), NONE, NONE, NONE)
+
+
+def at(k: int, value: float, of: Sequence[float] | None = None) -> np.ndarray:
+    values = np.array(of if of is not None else np.zeros(6))
+    values[k] = value
+    return values
+
+
+def counted(k: int, value: int) -> np.ndarray:
+    return at(k, value).astype(np.int64)
+
+
+@pytest.mark.parametrize(
+    ("changed", "wrong"),
+    [
+        ({"samples": 0, "clipped": counted(0, 7)}, {}),
+        ({"clipped": counted(1, 1)}, {("clipped", "s1y"): "1 samples in the last second"}),
+        ({"saturated": counted(3, 2)}, {("saturated", "s2x"): "2 samples beyond the range in the last second"}),
+        ({"flat": counted(2, 1001)}, {("flat", "s1z"): "it stood still in the last second"}),
+        ({"noise": at(4, 0.06, [0.01] * 6)}, {("noisy", "s2y"): "0.06 m/s^2 rms, the others 0.01"}),
+        ({"noise": at(4, 0.5, [0.0] * 6)}, {}),  # nothing to compare it with
+        ({"mean": np.array([0.6 * G, 0, 0.8 * G, 0, 0, G])}, {}),
+        ({"mean": np.array([0, 0, 2.0 * G, 0, 0, G])}, {("gravity", "s1"): "19.61 m/s^2 at rest"}),
+        ({"mean": np.array([0, 0, 2.0 * G, 0, 0, G]), "spread": at(0, 0.08)}, {}),  # it moves
+        (
+            {"mean": np.array([0, 0, 2.0 * G, 0, 0, G]), "spread": at(3, 9.0)},  # the other one moves
+            {("gravity", "s1"): "19.61 m/s^2 at rest"},
+        ),
+    ],
+)
+def test_what_a_reading_gives_away(changed: dict[str, np.ndarray], wrong: dict[tuple[str, str], str]) -> None:
+    assert wrong_channels(NAMES, replace(reading(), **changed)) == wrong  # type: ignore[arg-type]
+
+
+def test_of_what_is_wrong_with_a_channel_the_worst_is_told() -> None:
+    all_of_it = {"clipped": counted(0, 1), "saturated": counted(0, 2), "flat": counted(0, 1001)}
+    worst = []
+    for gone in ("clipped", "saturated", "flat"):
+        (key,) = wrong_channels(NAMES, replace(reading(), **all_of_it))  # type: ignore[arg-type]
+        worst.append(key)
+        all_of_it[gone] = NONE
+    assert worst == [("clipped", "s1x"), ("saturated", "s1x"), ("flat", "s1x")]
+
+
+def test_an_alarm_tells_since_when_and_what_the_last_report_found() -> None:
+    alarms, key = Alarms(), ("flat", "s1x")
+    assert alarms.report({key: "one"}, 10) == ([], [])
+    begun, ended = alarms.report({key: "two"}, 20)
+    assert [(one.name, one.subject, one.since_ns, one.found) for one in begun] == [("flat", "s1x", 20, "two")]
+    assert ended == [] and alarms.report({key: "three"}, 30) == ([], [])
+    assert alarms.raised[key].found == "three" and alarms.raised[key].since_ns == 20
+    document = alarms.raised[key].document()
+    assert (document["name"], document["subject"], document["since_ns"], document["found"]) == (
+        *("flat", "s1x", 20, "three"),
+    )
+    assert alarms.raised[key].sentence.startswith("flat s1x: three; the axis reads the same")
+    for k in range(2):
+        begun, _ = alarms.report({("behind", ""): "late"}, k)
+    assert begun[0].sentence.startswith("behind: late; the machine is too slow")

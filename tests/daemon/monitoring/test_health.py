@@ -1,7 +1,7 @@
 """The heartbeat's numbers."""
 
 import shutil
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +16,7 @@ from daemon.reception.reception import Reception
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame
 from protocol.serial_parser import FrameParser
+from tests.daemon.conftest import device_info
 from tracking.model.frames import Frames
 from tracking.model.innovation_test import Consistency
 
@@ -78,15 +79,15 @@ def fields(reading: Reading, info: DeviceInfo, directory: str | None = None, n_r
     )
 
 
-def test_what_a_gyroscope_reads_is_no_acceleration(make_info: Callable[..., DeviceInfo]) -> None:
-    info = make_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
+def test_what_a_gyroscope_reads_is_no_acceleration() -> None:
+    info = device_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
     found = fields(reading_of(10, [0.0] * 6), info, n_rate=3)
     assert found["readings"] == {"s1": [1.0, 2.0, 3.0]}
     assert list(found["saturated"]) == ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"]
 
 
-def test_sensors_are_told_by_their_three_axes(make_info: Callable[..., DeviceInfo]) -> None:
-    info = make_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
+def test_sensors_are_told_by_their_three_axes() -> None:
+    info = device_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
     found = fields(reading_of(10, [0.0] * 5 + [9.0]), info)
     assert found["readings"] == {"s1": [1.0, 2.0, 3.0], "s2": [4.0, 5.0, 6.0]}
     assert found["still"] == {"s1": True, "s2": False}
@@ -96,8 +97,8 @@ def test_sensors_are_told_by_their_three_axes(make_info: Callable[..., DeviceInf
     assert none["still"] == {"s1": False, "s2": False}
 
 
-def test_what_is_known_is_passed_on(make_info: Callable[..., DeviceInfo], tmp_path: Path) -> None:
-    info = make_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
+def test_what_is_known_is_passed_on(tmp_path: Path) -> None:
+    info = device_info(8000.0, ["s1x", "s1y", "s1z", "s2x", "s2y", "s2z"])
     found = fields(reading_of(10, [0.0] * 6), info, str(tmp_path))
     assert (found["uptime_s"], found["last_seq"], found["connected"]) == (3.5, {"limb/raw": 7}, False)
     assert (found["q"], found["q_units"]) == ([0.5, -1.0], ["rad", "m"])
@@ -111,3 +112,23 @@ def test_what_is_known_is_passed_on(make_info: Callable[..., DeviceInfo], tmp_pa
     assert (found["samples"], found["lost_samples"], found["gaps"]) == (0, 0, {"causes": {}, "last": []})
     assert found["clock_ppm"] is None
     assert found["rate"]["claimed_hz"] == 8000.0
+
+
+@pytest.mark.parametrize("ms", np.geomspace(0.15, 50_000.0, 60).tolist())
+def test_a_percentile_of_the_run_is_rounded_up_by_two_percent_at_most(ms: float) -> None:
+    latency = Latency()
+    latency.note(1e-3 * ms)
+    taken = latency.take()
+    assert taken["p50"] == taken["p99"] == pytest.approx(ms)
+    assert taken["p99_run"] is not None and ms <= taken["p99_run"] <= 1.0201 * ms
+
+
+@pytest.mark.parametrize(("slow", "most_ms"), [(2, 1.02), (3, 103.0)])
+def test_one_block_in_a_hundred_may_be_slower_than_the_run_s_percentile(slow: int, most_ms: float) -> None:
+    latency = Latency()
+    for k in range(200):
+        latency.note(0.1 if k < slow else 0.001)
+        if k == 100:
+            latency.take()
+    p99 = latency.take()["p99_run"]
+    assert p99 is not None and 0.97 * most_ms < p99 <= most_ms

@@ -1,6 +1,5 @@
 """Prometheus reads the daemon's health, from this machine only and only where it was asked for."""
 
-import socket
 import urllib.request
 from collections.abc import Callable
 from pathlib import Path
@@ -12,16 +11,9 @@ from prometheus_client.parser import text_string_to_metric_families
 from daemon.config.config import load_setup
 from daemon.monitoring.metrics import Metrics
 from limbcal.errors import ConfigError, DeviceError
-from tests.daemon.conftest import wait_until
 from tests.patience import PATIENCE_S
 
 Limbd = Callable[..., Any]
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def scrape(port: int) -> dict[str, float]:
@@ -32,25 +24,6 @@ def scrape(port: int) -> dict[str, float]:
         for family in text_string_to_metric_families(text)
         for sample in family.samples
     }
-
-
-def test_a_running_daemon_is_scraped(limbd: Limbd, tmp_path: Path) -> None:
-    device = limbd("virtual", "--rate-hz", "8000", "--json")
-    port, config = free_port(), tmp_path / "limbd.toml"
-    config.write_text(
-        f'[device]\nport = "{device.announcement()["port"]}"\n[arm]\nfile = "dd-arm"\n'
-        '[tracking]\nmethod = "integrate"\n'
-        f'[publish]\nendpoint = "ipc://{tmp_path}/f"\n[metrics]\naddress = "127.0.0.1:{port}"\n'
-    )
-    daemon = limbd("run", "--config", str(config), "--json")
-    daemon.announcement()
-    wait_until(lambda: scrape(port).get("limbcal_samples_total", 0.0) > 8000, "samples are counted")
-    found = scrape(port)
-    assert found["limbcal_connected"] == 1.0
-    assert found["limbcal_samples_lost_total"] == found["limbcal_checksum_errors_total"] == 0.0
-    assert 0.0 < found["limbcal_latency_seconds 0.5"] <= found["limbcal_latency_seconds 0.99"]
-    assert daemon.stop() == 0
-    assert device.stop() == 0
 
 
 def test_gaps_and_alarms_have_labels() -> None:

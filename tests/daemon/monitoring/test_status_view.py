@@ -10,7 +10,6 @@ from rich.console import Console
 from daemon.monitoring import status_view
 from daemon.monitoring.status_view import _first, status, view_of
 from limbcal.errors import DeviceError
-from tests.daemon.commands.test_status import Scripted
 
 HEALTH: dict[str, Any] = {
     "arm": "my-arm",
@@ -37,6 +36,18 @@ HEALTH: dict[str, Any] = {
     "gaps": {"last": [{"sample0": k, "samples": 7 * k, "why": f"cause {k}"} for k in range(5)]},
     "alarms": [{"name": "flat", "subject": "s1x", "found": "it stood still", "do": "look at its cable"}],
 }
+
+
+class Scripted:
+    """A subscriber that hears what the test scripted, and nothing before."""
+
+    def __init__(self, *messages: tuple[str, dict[str, Any]] | None) -> None:
+        self.messages = list(messages)
+        self.timeouts_ms: list[int] = []
+
+    def receive(self, timeout_ms: int) -> tuple[str, dict[str, Any]] | None:
+        self.timeouts_ms.append(timeout_ms)
+        return self.messages.pop(0)
 
 
 def lines(**changed: Any) -> list[str]:
@@ -78,6 +89,11 @@ def test_all_that_is_there_is_shown() -> None:
         ({"tracking": {"method": "filter", "wrong": False}}, "tracking   filter"),
         ({"recording": None}, "recording  nothing, 2.3 GB free"),
         ({"disk_free_bytes": None}, "recording  /r/run.mcap"),
+        (
+            {"rate_hz": 30720.04, "rate": {"claimed_hz": 32000.0, "in_use_hz": 30720.0, "std_ppm": 21.0}},
+            "rate       30720.04 Hz ± 41 ppm; 32000 Hz by its INFO",
+        ),
+        ({"readings": {"s2": None}, "still": {"s2": False}}, "reads s2   nothing came"),
         ({"still": {"s1": True}}, "reads s1     +1.000   -2.000   +2.000 m/s², |a| 3.000 at rest"),
     ],
 )
@@ -102,12 +118,15 @@ def test_who_is_not_to_wait_for_long_is_told_once(wait_s: float, timeouts_ms: li
     assert subscriber.timeouts_ms == timeouts_ms
 
 
-def test_the_rest_of_the_wait_is_what_is_left_of_it(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_rest_of_the_wait_is_what_is_left_of_it(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
     now_s = iter([100.0, 103.5])
     monkeypatch.setattr("daemon.monitoring.status_view.time.monotonic", lambda: next(now_s))
     subscriber = Scripted(None, ("limb/health", {"samples": 1}))
     assert _first(subscriber, "ipc://x", 20.0) == {"samples": 1}  # type: ignore[arg-type]
     assert subscriber.timeouts_ms == [3000, 16_500]
+    assert "waiting for 20 s in all" in capsys.readouterr().err
 
 
 def test_no_time_that_is_over_is_waited(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -22,6 +22,7 @@ from protocol.publisher import Publisher
 from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
 from protocol.subscriber import Subscriber
+from tests.daemon.conftest import device_info, resting_counts
 from tests.patience import PATIENCE_MS
 
 RATE_HZ, TICK_HZ, FRAME = 8000.0, 1_000_000, 32
@@ -87,12 +88,14 @@ Make = Callable[..., Room]
 
 
 @pytest.fixture
-def room(tmp_path: Path, make_info: Callable[..., DeviceInfo]) -> Iterator[Make]:
+def room(
+    tmp_path: Path,
+) -> Iterator[Make]:
     made: list[Room] = []
     with zmq.Context() as context:
 
         def make(setup: Setup | None = None, rate_hz: float = RATE_HZ) -> Room:
-            made.append(Room(context, tmp_path, setup or setup_of(), make_info(rate_hz)))
+            made.append(Room(context, tmp_path, setup or setup_of(), device_info(rate_hz)))
             return made[-1]
 
         yield make
@@ -101,8 +104,8 @@ def room(tmp_path: Path, make_info: Callable[..., DeviceInfo]) -> Iterator[Make]
 
 
 @pytest.fixture
-def counts(random_counts: Callable[[int], np.ndarray]) -> np.ndarray:
-    return random_counts(FRAME)
+def counts() -> np.ndarray:
+    return resting_counts(FRAME)
 
 
 def samples_of(frames: list[dict[str, Any]]) -> int:

@@ -1,13 +1,11 @@
 """After a warm-up nothing is left to be compiled while samples come in."""
 
 import sys
-from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
 import pytest
 from numba.core.dispatcher import Dispatcher
-from numpy.typing import NDArray
 
 from arm.arm_file import load_arm
 from arm.counts import COUNT_M_S2
@@ -17,9 +15,9 @@ from daemon.pipeline.warm_up import warm_up
 from daemon.reception.reception import Reception
 from daemon.virtual_device.virtual_motion import BenchPlan, stretches
 from protocol import serial_scan
-from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame, encode_samples
 from protocol.serial_parser import FrameParser
+from tests.daemon.conftest import device_info, resting_counts
 from tracking.tracker import Method, tracker_of
 
 RATE_HZ = 4000.0
@@ -69,15 +67,13 @@ def test_a_motion_and_a_gap_compile_nothing_more(method: Method, arm: Arm) -> No
     assert compiled_signatures() == before
 
 
-def test_what_samples_go_through_before_compiles_nothing_more(
-    make_info: Callable[..., DeviceInfo], random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
+def test_what_samples_go_through_before_compiles_nothing_more() -> None:
     for kernel in kernels().values():
         kernel._reset_overloads()
     serial_scan.warm_up.cache_clear()
-    taker = Reception(FrameParser(), InfoFrame(0, 0, make_info()))
+    taker = Reception(FrameParser(), InfoFrame(0, 0, device_info()))
     before = compiled_signatures()
-    frames = [encode_samples(random_counts(32), k + 1, 4000 * k) for k in range(20)]
+    frames = [encode_samples(resting_counts(32), k + 1, 4000 * k) for k in range(20)]
     (run,) = taker.take([Chunk(1, b"".join(frames))])
     assert len(run.a) == 640
     assert compiled_signatures() == before

@@ -56,10 +56,19 @@ def test_one_that_does_not_stop_is_killed(pty_device: Callable[..., Any]) -> Non
     child.close()
 
 
-def test_unknown_kinds_of_failure_are_the_devices() -> None:
-    assert isinstance(failure({"what": "failed", "kind": "Strange", "sentence": "x"}), DeviceError)
-    with pytest.raises(KeyError):
-        failure({"what": "failed"})
+@pytest.mark.parametrize(
+    ("kind", "code"),
+    [
+        ("ConfigError", 2),
+        ("DataError", 2),
+        ("ProtocolError", 3),
+        ("DeviceError", 3),
+        ("OSError", 3),
+        ("Strange", 3),
+    ],
+)
+def test_only_a_config_or_a_recording_is_a_mistake_and_all_else_the_devices(kind: str, code: int) -> None:
+    assert failure({"what": "failed", "kind": kind, "sentence": "so"}).exit_code == code
 
 
 @pytest.mark.parametrize("code", [0, 7])

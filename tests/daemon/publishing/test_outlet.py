@@ -114,25 +114,3 @@ def test_what_bridges_a_gap_is_marked_and_has_no_delay(room: Room) -> None:
         *((31, 10, True), (41, 2, False)),
     ]
     assert room.delay.frames == 6 + 12
-
-
-def test_a_recorder_that_gave_up_is_heard(room: Room) -> None:
-    room.outlet.send_frames([frames(0, 10)])
-    assert room.inlet.receive(PATIENCE_S) == []  # hello
-    room.inlet.tell(None)
-    while room.link.recording is not None:
-        room.link.check()
-    assert len(room.recorded()) == 1
-
-
-def test_what_is_told_before_anybody_listens_is_heard_later(tmp_path: Path) -> None:
-    with zmq.Context() as context:
-        inlet = RecordInlet(context, f"ipc://{tmp_path}/recorder")
-        inlet.tell("second.mcap")
-        link = RecordLink(context, f"ipc://{tmp_path}/recorder", "first.mcap")
-        assert inlet.receive(PATIENCE_S) == []  # hello
-        while link.recording == "first.mcap":
-            link.check()
-        assert link.recording == "second.mcap"
-        link.close()
-        inlet.close()

@@ -105,19 +105,6 @@ def test_frames_that_are_malformed_count_as_damaged_ones() -> None:
     assert damage.explains(32, FRAME)
 
 
-def test_damage_in_one_look_is_that_of_all_frames_since() -> None:
-    """While no good frame came, bytes of two looks belong together, and grow old together."""
-    counters = ParserCounters()
-    damage = LossAttribution(counters)
-    for _ in range(2):
-        counters.discarded_bytes += FRAME_BYTES // 4
-        damage.look()
-    assert damage.explains(32, FRAME)
-    old = looked((0, FRAME_BYTES), *[(0, 0)] * 15)
-    assert old.explains(32, FRAME)
-    assert not looked((0, FRAME_BYTES), *[(0, 0)] * 16).explains(32, FRAME)
-
-
 def test_what_has_happened_is_the_cause_before_all_else() -> None:
     damage = looked((1, FRAME_BYTES))
     damage.why = "unplugged"

@@ -1,7 +1,7 @@
 """From bytes to accelerations, with holes where samples are missing."""
 
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -16,8 +16,8 @@ from daemon.reception.sample_runs import Run
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame, encode_info, encode_samples
 from protocol.serial_parser import FrameParser
+from tests.daemon.conftest import device_info, resting_counts
 
-MakeInfo = Callable[..., DeviceInfo]
 RATE_HZ = 8000.0
 TICKS_PER_FRAME = 4000
 
@@ -45,30 +45,26 @@ def joined(runs: Sequence[Run]) -> NDArray[np.float64]:
     return np.concatenate([run.a for run in runs])
 
 
-def test_counts_become_accelerations(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info = make_info(RATE_HZ)
+def test_counts_become_accelerations() -> None:
+    info = device_info(RATE_HZ)
     info = replace(info, channels=tuple(replace(c, offset=0.5 * k) for k, c in enumerate(info.channels)))
-    counts = random_counts(320)
+    counts = resting_counts(320)
     (run,) = reception(info).take(chunk(*encoded(counts)))
     assert (run.lost, run.sample0, run.a.dtype) == (0, 0, np.float64)
     np.testing.assert_array_equal(run.a, counts * info.channels[0].scale + 0.5 * np.arange(12))
 
 
 @given(lost=st.sets(st.integers(1, 18)), cut=st.integers(1, 19))
-def test_every_hole_begins_a_run(
-    lost: set[int], cut: int, make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    counts = random_counts(640)
+def test_every_hole_begins_a_run(lost: set[int], cut: int) -> None:
+    counts = resting_counts(640)
     frames = encoded(counts)
-    taker = reception(make_info(RATE_HZ))
+    taker = reception(device_info(RATE_HZ))
     runs = []
     for part in (range(cut), range(cut, 20)):
         runs += taker.take(chunk(*(frames[k] for k in part if k not in lost)))
     runs += taker.finish()
     for run in runs:
-        expected = counts[run.sample0 : run.sample0 + len(run.a)] * make_info().channels[0].scale
+        expected = counts[run.sample0 : run.sample0 + len(run.a)] * device_info().channels[0].scale
         np.testing.assert_array_equal(run.a, expected)
         for sample in range(run.sample0, run.sample0 + len(run.a), 16):
             at, t_ns = time_of(run, sample)
@@ -78,17 +74,13 @@ def test_every_hole_begins_a_run(
     assert len(joined(runs)) == 640 - 32 * len(lost) == taker.ledger.samples
 
 
-def test_time_begins_with_the_hosts(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    (run,) = reception(make_info(RATE_HZ)).take(chunk(*encoded(random_counts(800))))
+def test_time_begins_with_the_hosts() -> None:
+    (run,) = reception(device_info(RATE_HZ)).take(chunk(*encoded(resting_counts(800))))
     assert time.time_ns() - time_of(run, 0)[1] == pytest.approx(0.1e9, abs=0.05e9)
 
 
-def test_an_info_in_between_is_no_loss(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info, counts = make_info(RATE_HZ), random_counts(64)
+def test_an_info_in_between_is_no_loss() -> None:
+    info, counts = device_info(RATE_HZ), resting_counts(64)
     one, two = counts[:32], counts[32:]
     taker = reception(info)
     stream = (encode_samples(one, 1, 0), encode_info(info, 2, 100), encode_samples(two, 3, TICKS_PER_FRAME))
@@ -96,10 +88,8 @@ def test_an_info_in_between_is_no_loss(
     assert (run.lost, len(run.a)) == (0, 64)
 
 
-def test_another_device_is_not_listened_to(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info, counts = make_info(RATE_HZ), random_counts(320)
+def test_another_device_is_not_listened_to() -> None:
+    info, counts = device_info(RATE_HZ), resting_counts(320)
     frames, taker = encoded(counts), reception(info)
     other = encode_info(replace(info, serial="other"), 2, 0)
     runs = taker.take(chunk(frames[0], other, *frames[2:5]))
@@ -110,11 +100,9 @@ def test_another_device_is_not_listened_to(
     assert taker.identity.strangers == 4
 
 
-def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info = make_info(RATE_HZ)
-    frames, taker = encoded(random_counts(160)), reception(info)
+def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes() -> None:
+    info = device_info(RATE_HZ)
+    frames, taker = encoded(resting_counts(160)), reception(info)
     taker.take(chunk(frames[0]))
     now_ns = time.monotonic_ns()
     taker.take(
@@ -125,40 +113,27 @@ def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes(
     assert taker.identity.strangers == 4  # three frames, and the INFO
 
 
-def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    taker = reception(make_info(RATE_HZ))
+def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples() -> None:
+    taker = reception(device_info(RATE_HZ))
     assert not taker.knows_rate(time.monotonic_ns() + 10**12)
     at_ns = time.monotonic_ns()
-    taker.take([Chunk(at_ns, b"".join(encoded(random_counts(64))))], at_ns)
+    taker.take([Chunk(at_ns, b"".join(encoded(resting_counts(64))))], at_ns)
     assert not taker.knows_rate(at_ns + 240_000_000)
     assert taker.knows_rate(at_ns + 260_000_000)
-    later = [encode_samples(random_counts(32), 3, 50 + 2 * TICKS_PER_FRAME)]
+    later = [encode_samples(resting_counts(32), 3, 50 + 2 * TICKS_PER_FRAME)]
     taker.take([Chunk(at_ns + 200_000_000, b"".join(later))], at_ns + 200_000_000)
     assert taker.knows_rate(at_ns + 260_000_000)
 
 
-def test_a_slow_rate_is_known_after_some_frames(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    taker, at_ns = reception(make_info(50.0)), time.monotonic_ns()  # a frame every 0.64 s
-    taker.take([Chunk(at_ns, encode_samples(random_counts(32), 1, 50))], at_ns)
+def test_a_slow_rate_is_known_after_some_frames() -> None:
+    taker, at_ns = reception(device_info(50.0)), time.monotonic_ns()  # a frame every 0.64 s
+    taker.take([Chunk(at_ns, encode_samples(resting_counts(32), 1, 50))], at_ns)
     assert not taker.knows_rate(at_ns + 1_900_000_000)
     assert taker.knows_rate(at_ns + 1_950_000_000)
 
 
-def test_frames_of_another_width_are_passed_over(make_info: MakeInfo) -> None:
-    narrow = encode_samples(np.zeros((32, 6), dtype=np.int16), 1, 0)
-    taker = reception(make_info(RATE_HZ))
-    assert taker.take(chunk(narrow)) == []
-    assert taker.identity.strangers == 1
-
-
-def test_a_device_that_comes_back_says_first_what_it_is(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info, counts = make_info(RATE_HZ), random_counts(320)
+def test_a_device_that_comes_back_says_first_what_it_is() -> None:
+    info, counts = device_info(RATE_HZ), resting_counts(320)
     frames, taker = encoded(counts), reception(info)
     lost = Chunk(time.monotonic_ns(), b"pulled", Mark.LOST)
     opened = Chunk(time.monotonic_ns(), b"", Mark.OPENED)
@@ -172,10 +147,8 @@ def test_a_device_that_comes_back_says_first_what_it_is(
     ]
 
 
-def test_what_was_sent_before_the_first_sample_that_came_is_missing(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    info, counts = make_info(RATE_HZ), random_counts(640)
+def test_what_was_sent_before_the_first_sample_that_came_is_missing() -> None:
+    info, counts = device_info(RATE_HZ), resting_counts(640)
     frames, taker = encoded(counts), reception(info)
     lost = Chunk(time.monotonic_ns(), b"pulled", Mark.LOST)
     opened = Chunk(time.monotonic_ns(), b"", Mark.OPENED)
@@ -189,19 +162,15 @@ def test_what_was_sent_before_the_first_sample_that_came_is_missing(
     assert gap.t_ns == pytest.approx(time_of(runs[0], runs[0].sample0)[1] - 384 / RATE_HZ * 1e9, abs=1e6)
 
 
-def test_a_device_that_counts_anew_before_its_first_sample_has_lost_none(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    taker = Reception(FrameParser(), InfoFrame(5, 10**9, make_info(RATE_HZ)))
-    frames = encoded(random_counts(320))
+def test_a_device_that_counts_anew_before_its_first_sample_has_lost_none() -> None:
+    taker = Reception(FrameParser(), InfoFrame(5, 10**9, device_info(RATE_HZ)))
+    frames = encoded(resting_counts(320))
     runs = [*taker.take(chunk(*frames[6:])), *taker.finish()]
     assert (runs[0].sample0, sum(run.lost for run in runs)) == (0, 0) and taker.new_gaps() == []
 
 
-def test_a_device_that_was_restarted_costs_what_the_hosts_clock_says(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    counts, taker = random_counts(640), reception(make_info(RATE_HZ))
+def test_a_device_that_was_restarted_costs_what_the_hosts_clock_says() -> None:
+    counts, taker = resting_counts(640), reception(device_info(RATE_HZ))
     now_ns = time.monotonic_ns()
     taker.take([Chunk(now_ns, b"".join(encoded(counts[:320])))])
     (run,) = taker.take([Chunk(now_ns + 540_000_000, b"".join(encoded(counts[320:], 20)))])
@@ -211,10 +180,8 @@ def test_a_device_that_was_restarted_costs_what_the_hosts_clock_says(
     assert gap.t_ns == pytest.approx(time_of(run, run.sample0)[1] - 0.5e9, abs=1e6)
 
 
-def test_the_cause_of_a_gap_is_told(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    frames, taker = encoded(random_counts(1280)), reception(make_info(RATE_HZ))
+def test_the_cause_of_a_gap_is_told() -> None:
+    frames, taker = encoded(resting_counts(1280)), reception(device_info(RATE_HZ))
     hurt = bytes([*frames[1][:100], frames[1][100] ^ 1, *frames[1][101:]])
     taker.take(chunk(frames[0], hurt, *frames[2:8]))
     for _ in range(20):
@@ -234,38 +201,15 @@ def test_the_cause_of_a_gap_is_told(
     ]
 
 
-def test_bytes_before_a_mark_came_when_they_came(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    """Were they thought to have come with the bytes before them, the clock would take them for the least late."""
-    frames, taker = encoded(random_counts(640)), reception(make_info(RATE_HZ))
-    now_ns = time.monotonic_ns()
-    taker.take([Chunk(now_ns, frames[0])])
-    assert taker.clock is not None
-    noted: list[int] = []
-    taker.clock.note = lambda _ticks, arrival_ns: noted.append(arrival_ns)  # type: ignore[method-assign]
-    later_ns = now_ns + 40_000_000
-    taker.take([Chunk(later_ns, b"".join(frames[1:11])), Chunk(later_ns + 5, b"pulled", Mark.LOST)])
-    assert noted == [later_ns]
-
-
-def test_what_waits_for_a_frame_is_given_out_at_the_end(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    frames, taker = encoded(random_counts(160)), reception(make_info(RATE_HZ))
+def test_what_waits_for_a_frame_is_given_out_at_the_end() -> None:
+    frames, taker = encoded(resting_counts(160)), reception(device_info(RATE_HZ))
     assert len(taker.take(chunk(frames[0], frames[2]))) == 1
     (run,) = taker.finish()
     assert (run.lost, len(run.a)) == (32, 32)
 
 
-def test_a_frame_does_not_wait_for_another_for_long(
-    make_info: MakeInfo, random_counts: Callable[[int], NDArray[np.int16]]
-) -> None:
-    frames, taker = encoded(random_counts(160)), reception(make_info(RATE_HZ))
+def test_a_frame_does_not_wait_for_another_for_long() -> None:
+    frames, taker = encoded(resting_counts(160)), reception(device_info(RATE_HZ))
     taker.take(chunk(frames[0], frames[2]))
     assert taker.take([], time.monotonic_ns()) == []
     assert len(taker.take([], time.monotonic_ns() + 10**8)) == 1
-
-
-def test_nothing_comes_of_nothing(make_info: MakeInfo) -> None:
-    assert reception(make_info()).take([]) == []

@@ -217,28 +217,6 @@ def test_a_clock_that_jumps_is_a_gap_without_samples() -> None:
     assert taker.reception.ledger.causes == {"the device's clock jumped": 1}
 
 
-def test_the_rate_is_reckoned_every_50_ms() -> None:
-    taker, looks = Taker(), []
-    taker.reception.rate.look = lambda *_: looks.append(taker.now_ns)  # type: ignore[method-assign]
-    for k in range(21):
-        taker.take(sample(k + 1, STEP * k), after_ns=10_000_000)
-    assert [round(1e-6 * (at - looks[0])) for at in looks] == [0, 50, 100, 150, 200]
-
-
-@pytest.mark.parametrize(("at_ns", "known"), [(249_999_999, False), (250_000_000, True)])
-def test_a_rate_is_known_after_exactly_a_quarter_of_a_second(at_ns: int, known: bool) -> None:
-    taker = began(Taker(), 1)
-    assert taker.reception.knows_rate(taker.now_ns + at_ns) == known
-
-
-@pytest.mark.parametrize(("after_ns", "entered"), [(20_000_000, 1), (20_000_001, 2)])
-def test_a_frame_waits_for_another_for_20_ms(after_ns: int, entered: int) -> None:
-    taker = Taker()
-    taker.take(*samples(1, 3))
-    taker.reception.take([], taker.now_ns + after_ns)
-    assert taker.reception.ledger.samples == 32 * entered
-
-
 @pytest.mark.parametrize(("after_ns", "entered"), [(20_000_000, 9), (20_000_001, 10)])
 def test_a_frame_whose_clock_is_in_doubt_waits_as_long(after_ns: int, entered: int) -> None:
     taker = began(Taker(), 9)
@@ -280,13 +258,6 @@ def test_before_anything_came_there_is_a_device_and_no_rate() -> None:
     assert reception.connected and not reception.awaits_info and not reception.knows_rate(2**62)
     assert (reception.reconnects, reception.identity.strangers, reception.identity.stranger) == (0, 0, None)
     assert reception.new_gaps() == [] and reception.take([], NOW_NS) == []
-
-
-@pytest.mark.parametrize(("at_ns", "known"), [(1_919_999_999, False), (1_920_000_000, True)])
-def test_three_frames_of_a_slow_device_tell_its_rate(at_ns: int, known: bool) -> None:
-    slow = Reception(FrameParser(), InfoFrame(0, 0, device_info(50.0)))
-    slow.take([Chunk(NOW_NS, sample(1))], NOW_NS)
-    assert slow.knows_rate(NOW_NS + at_ns) == known
 
 
 @pytest.mark.parametrize(("lost", "exact"), [(64, True), (32, True), (48, False), (96, False)])

@@ -1,11 +1,13 @@
 """Whatever disorder a line makes within a few frames, frames leave in order and once."""
 
 import numpy as np
+import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
 from daemon.reception.sequencer import Sequencer
-from protocol.serial_frame import SamplesFrame, SamplesRun
+from protocol.serial_frame import InfoFrame, SamplesFrame, SamplesRun
+from tests.daemon.conftest import device_info
 
 COUNTS = np.zeros((32, 12), dtype=np.int16)
 
@@ -71,10 +73,7 @@ def test_runs_leave_as_their_frames_would(runs: list[tuple[int, int]], first: in
             left += one.frames() if isinstance(one, SamplesRun) else [one]
         expected = [one for frame in run.frames() for one in single.put(frame)]
         assert [(one.sequence, one.ticks) for one in left] == [(one.sequence, one.ticks) for one in expected]
-    assert whole._clocks() == single._clocks()
-    runs_of = {"_early": 0, "_recent": 0, "_kept": 0}
-    assert vars(whole) | runs_of == vars(single) | runs_of
-    assert list(whole._early) == list(single._early)
+    assert (whole.doubled, whole.late, whole.waiting) == (single.doubled, single.late, single.waiting)
 
 
 def test_a_copy_of_any_frame_that_had_waited_is_known() -> None:
@@ -84,3 +83,52 @@ def test_a_copy_of_any_frame_that_had_waited_is_known() -> None:
     assert last == [1, 2, 3, 4]
     assert [sequencer.put(one) for one in some] == [[]] * 5
     assert (sequencer.doubled, sequencer.late) == (5, 0)
+
+
+def numbered(number: int, ticks: int | None = None) -> SamplesFrame:
+    return SamplesFrame(number % 2**32, 1000 * number if ticks is None else ticks, COUNTS)
+
+
+def after(last: int, first: int = 0) -> Sequencer:
+    """Return a sequencer that frames have passed in order."""
+    sequencer = Sequencer()
+    for number in range(first, last + 1):
+        assert [one.ticks for one in sequencer.put(numbered(number))] == [1000 * number]
+    return sequencer
+
+
+def left(sequencer: Sequencer, *some: SamplesFrame) -> list[int]:
+    return [one.sequence for given in some for one in sequencer.put(given)]
+
+
+@pytest.mark.parametrize(
+    ("ticks", "is_late"), [(4_000_000, True), (3_001_000, True), (3_000_000, True), (2_999_999, False)]
+)
+def test_a_frame_that_was_given_up_is_no_older_than_those_before_it(ticks: int, is_late: bool) -> None:
+    sequencer = after(3000, 2990)
+    sequencer.put(numbered(3002))
+    sequencer.release()
+    assert left(sequencer, numbered(3001, ticks)) == ([] if is_late else [3001])
+    assert sequencer.late == is_late
+
+
+@pytest.mark.parametrize(("ticks", "doubled"), [(5_000, 1), (5_001, 0)])
+def test_a_number_that_comes_again_is_the_same_frame_if_its_clock_is(ticks: int, doubled: int) -> None:
+    sequencer = after(9)
+    assert left(sequencer, numbered(5, ticks)) == ([] if doubled else [5])
+    assert (sequencer.doubled, sequencer.late) == (doubled, 0)
+
+
+def test_what_waits_leaves_before_a_frame_far_away() -> None:
+    sequencer = after(3)
+    assert left(sequencer, numbered(6), numbered(500)) == [6, 500]
+    assert left(sequencer, numbered(501)) == [501]
+
+
+def test_a_run_in_its_turn_leaves_whole_and_is_known_afterwards() -> None:
+    sequencer = after(3)
+    run = SamplesRun(4, [4000, 5000, 6000], np.zeros((12, 3), dtype=np.int16))
+    assert sequencer.take(run) == [run]
+    assert left(sequencer, numbered(5), numbered(7)) == [7] and sequencer.doubled == 1
+    info = InfoFrame(8, 8000, device_info())
+    assert sequencer.take(info) == [info]

@@ -1,6 +1,5 @@
 """The files of one run: a recording, and those that it went on with when it was full."""
 
-from collections.abc import Callable
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Any
@@ -17,11 +16,10 @@ from daemon.recording.recorded_run import (
     device_of,
 )
 from limbcal.errors import DataError
-from protocol.device_info import DeviceInfo
 from protocol.message import HEALTH, RAW, encode
 from protocol.recording import RecordingWriter
+from tests.daemon.conftest import device_info
 
-MakeInfo = Callable[..., DeviceInfo]
 T0_NS, DT_S = 1_700_000_000_000_000_000, 1.0 / 8000.0
 
 
@@ -41,8 +39,10 @@ def block(sample0: int, n: int = 80, late_ns: int = 0, dt_s: float = DT_S) -> Bl
     return Block(sample0, T0_NS + round(sample0 * DT_S * 1e9) + late_ns, dt_s, a)
 
 
-def test_the_device_is_the_one_that_was_recorded(tmp_path: Path, make_info: MakeInfo) -> None:
-    info = make_info(8000.0)
+def test_the_device_is_the_one_that_was_recorded(
+    tmp_path: Path,
+) -> None:
+    info = device_info(8000.0)
     path = recorded(tmp_path / "run.mcap", [block(0)], asdict(info))
     assert device_of(path) == replace(info, tick_hz=8000.0 * TICKS_PER_SAMPLE)  # a clock that counts samples
 
@@ -56,10 +56,8 @@ def test_the_device_is_the_one_that_was_recorded(tmp_path: Path, make_info: Make
         ({"colour": "red"}, "colour"),
     ],
 )
-def test_a_device_without_sense_is_said_with_its_file(
-    tmp_path: Path, make_info: MakeInfo, changed: dict[str, Any], said: str
-) -> None:
-    path = recorded(tmp_path / "run.mcap", [block(0)], {**asdict(make_info(8000.0)), **changed})
+def test_a_device_without_sense_is_said_with_its_file(tmp_path: Path, changed: dict[str, Any], said: str) -> None:
+    path = recorded(tmp_path / "run.mcap", [block(0)], {**asdict(device_info(8000.0)), **changed})
     with pytest.raises(DataError, match=f"run.mcap: what it says of the device makes no sense: .*{said}"):
         device_of(path)
 
@@ -103,8 +101,8 @@ def test_a_run_goes_on_over_files_that_are_not_there(
     assert [one.sample0 for one in blocks_of(files[asked])] == [80 * number for number in found]
 
 
-def test_counts_are_those_that_were_sent(make_info: MakeInfo) -> None:
-    info = make_info(8000.0)
+def test_counts_are_those_that_were_sent() -> None:
+    info = device_info(8000.0)
     info = replace(info, channels=tuple(replace(one, offset=0.25 * k) for k, one in enumerate(info.channels)))
     counts = np.random.default_rng(0).integers(-32768, 32768, (50, 12))
     counts[0, :2] = -32768, 32767

@@ -1,6 +1,5 @@
 """Faults of a schedule act on device, line and port when it is their time, and end when it is over."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -9,6 +8,7 @@ import pytest
 from daemon.virtual_device.fault_injection import FaultInjection
 from daemon.virtual_device.fault_schedule import faults_of
 from protocol.device_info import DeviceInfo
+from tests.daemon.conftest import device_info
 
 START_S = 100.0
 
@@ -45,8 +45,8 @@ class Bench:
 
 
 @pytest.fixture
-def info(make_info: Callable[..., DeviceInfo]) -> DeviceInfo:
-    return make_info(8000.0)
+def info() -> DeviceInfo:
+    return device_info(8000.0)
 
 
 def injected(bench: Bench, text: str, info: DeviceInfo) -> FaultInjection:

@@ -7,10 +7,11 @@ import pytest
 from numpy.typing import NDArray
 
 from daemon.virtual_device.motion_source import MotionSource
-from daemon.virtual_device.virtual_device import TICK_HZ, FrameFifo, Timing, VirtualDevice
+from daemon.virtual_device.virtual_device import TICK_HZ, CommandLine, FrameFifo, Timing, VirtualDevice
 from protocol.device_info import DeviceInfo
 from protocol.serial_frame import InfoFrame, SamplesFrame
 from protocol.serial_parser import FrameParser
+from tests.daemon.conftest import device_info
 
 RATE_HZ = 8000.0
 
@@ -76,8 +77,8 @@ class Bench:
 
 
 @pytest.fixture
-def bench(make_info: Callable[..., DeviceInfo]) -> Callable[..., Bench]:
-    return lambda **options: Bench(make_info(RATE_HZ), **options)
+def bench() -> Callable[..., Bench]:
+    return lambda **options: Bench(device_info(RATE_HZ), **options)
 
 
 def test_commands_are_whole_lines_and_others_are_passed_over(bench: Callable[..., Bench]) -> None:
@@ -235,41 +236,6 @@ def test_a_device_that_was_without_power_counts_from_zero(bench: Callable[..., B
     assert [frame.sequence for frame in found[:4]] == [0, 1, 2, 3]
 
 
-@pytest.mark.parametrize(
-    ("timing", "on_s", "ticks"),
-    [
-        (Timing(RATE_HZ), 1.5, 1.5 * TICK_HZ),
-        (Timing(RATE_HZ, clock=1.02), 1.5, 1.53 * TICK_HZ),
-        (Timing(RATE_HZ, wraps_s=1.0), 1.5, 0.5 * TICK_HZ),
-        (Timing(RATE_HZ, wraps_s=1.0), 0.75, 2**32 - 0.25 * TICK_HZ),
-        (Timing(RATE_HZ, wraps_s=1.0), 1.0, 0),
-    ],
-)
-def test_a_narrow_counter_passes_zero_when_it_is_told_to(timing: Timing, on_s: float, ticks: float) -> None:
-    assert timing.ticks(on_s) == round(ticks)
-
-
-def test_the_memory_holds_what_fits_and_gives_out_what_is_taken() -> None:
-    fifo = FrameFifo(10)
-    fifo.put(b"12345")
-    assert not fifo.is_half_full()
-    fifo.put(b"67890")
-    assert (len(fifo), fifo.dropped, fifo.is_half_full()) == (10, 0, True)
-    fifo.put(b"!")
-    assert (len(fifo), fifo.dropped) == (10, 1)
-    written: list[bytes] = []
-
-    def write(data: bytes) -> int:
-        written.append(data)
-        return 4
-
-    fifo.drain(write)
-    assert written == [b"1234567890"] and len(fifo) == 6  # the host took four, and is not pressed
-    fifo.clear()
-    fifo.drain(write)
-    assert len(written) == 1
-
-
 def test_a_device_is_ready_when_its_first_samples_are(
     bench: Callable[..., Bench], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -280,3 +246,70 @@ def test_a_device_is_ready_when_its_first_samples_are(
     assert b.device.started_s is None
     b.device.receive(b"START\n", 100.25)
     assert b.device.started_s == 100.25
+
+
+@pytest.mark.parametrize(
+    ("wraps_s", "on_s", "ticks"),
+    [
+        (None, 0.0, 0),
+        (None, 500.0, 5_000_000_000),
+        (3.0, 0.0, 2**32 - 30_000_000),
+        (3.0, 2.9, 2**32 - 1_000_000),
+        (3.0, 3.0, 0),
+        (3.0, 3.5, 5_000_000),
+        (0.0, 430.0, 4_300_000_000 - 2**32),
+    ],
+)
+def test_a_narrow_counter_passes_zero_when_it_is_told_to(wraps_s: float | None, on_s: float, ticks: int) -> None:
+    assert Timing(32_000.0, wraps_s=wraps_s).ticks(on_s) == ticks
+
+
+def test_a_fast_clock_ticks_more() -> None:
+    assert TICK_HZ == 10_000_000
+    assert Timing(32_000.0, 1.5).ticks(2.0) == 30_000_000
+    assert (Timing(1.0).frame_samples, Timing(1.0).clock, Timing(1.0).wraps_s) == (32, 1.0, None)
+
+
+def test_a_frame_that_fills_the_memory_fits_and_one_more_byte_does_not() -> None:
+    fifo = FrameFifo(10)
+    fifo.put(b"12345")
+    assert not fifo.is_half_full()
+    fifo.put(b"6")
+    assert fifo.is_half_full()
+    fifo.put(b"78901")
+    assert (len(fifo), fifo.dropped) == (6, 1)
+    fifo.put(b"7890")
+    assert (len(fifo), fifo.dropped) == (10, 1)
+    fifo.clear()
+    assert len(fifo) == 0 and not fifo.is_half_full() and fifo.dropped == 1
+
+
+@pytest.mark.parametrize(
+    ("takes", "calls", "left"), [([4, 4, 2], [10, 6, 2], 0), ([10], [10], 0), ([4], [10], 6), ([0], [10], 10)]
+)
+def test_the_host_takes_what_it_has_room_for(takes: list[int], calls: list[int], left: int) -> None:
+    """A write that does not take all ends the turn."""
+    fifo, asked, taken = FrameFifo(100), list[int](), bytearray()
+    fifo.put(b"0123456789")
+    while takes:
+        count = takes.pop(0)
+
+        def write(data: bytes, count: int = count) -> int:
+            asked.append(len(data))
+            taken.extend(data[:count])
+            return min(count, len(data))
+
+        fifo.drain(write)
+    assert asked == calls and len(fifo) == left
+    assert bytes(taken) == b"0123456789"[: 10 - left]
+
+
+def test_only_whole_lines_are_commands_and_long_ones_are_cut() -> None:
+    line = CommandLine()
+    assert line.take(b"INFO\n START \r\nST") == [b"INFO", b"START"]
+    assert line.take(b"OP\n\n") == [b"STOP", b""]
+    line.take(b"x" * 100)
+    assert line.take(b"\n") == [b"x" * 64]
+    line.take(b"ST")
+    line.forget()
+    assert line.take(b"OP\n") == [b"OP"]

@@ -185,21 +185,6 @@ def test_frames_come_as_they_are_due(world: World, capsys: pytest.CaptureFixture
     assert world.port_log == ["unplug", "plug", "source closed", "closed"]
 
 
-@pytest.mark.parametrize(("speed", "seconds"), [(1.0, 1.0), (2.0, 1.0), (0.5, 1.0)])
-def test_the_device_holds_half_a_second_of_its_stream_and_64_kib(
-    world: World, speed: float, seconds: float
-) -> None:
-    serve(options(speed=speed))
-    assert world.capacities == [round(0.5 * RATE_HZ * speed * 12 * 2) + 65536]
-    assert len(world.frames()) - 1 == int(speed * seconds * RATE_HZ) // 32
-
-
-def test_until_samples_are_there_it_asks_every_tenth_of_a_second(world: World) -> None:
-    world.there_after = 4
-    serve(options())
-    assert world.waited == [0.1] * 4
-
-
 def test_a_host_that_does_not_read_is_said_once_and_what_is_dropped_is_counted(
     world: World, capsys: pytest.CaptureFixture[str]
 ) -> None:

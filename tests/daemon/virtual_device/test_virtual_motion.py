@@ -89,22 +89,6 @@ def test_without_trials_an_arm_with_weight_rests_where_it_hangs() -> None:
         np.testing.assert_allclose(held, q[j], rtol=0, atol=1e-9)
 
 
-def test_no_trials_is_rest_at_zero() -> None:
-    (stretch,) = first(1, plan(0))
-    assert stretch.trial == 0
-    assert not stretch.truth["q1"].any()
-
-
-def test_unless_said_otherwise_sensors_are_the_standard_bench_s() -> None:
-    arm = load_arm("dd-arm")
-    plain = first(1, BenchPlan(arm, 4, RATE_HZ, 0))[0].counts
-    np.testing.assert_array_equal(plain, first(1, BenchPlan(arm, 4, RATE_HZ, 0, 1.0, False))[0].counts)
-    tilted = first(1, BenchPlan(arm, 4, RATE_HZ, 0, 1.0, True))[0].counts
-    assert np.any(plain != tilted)
-    still = plain * COUNT_M_S2
-    assert still.std(axis=0) == pytest.approx(np.full(12, 0.02), rel=0.1)  # [m/s^2], as the bench has it
-
-
 def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times_a_second() -> None:
     rested = first(2, plan(0))
     assert [len(stretch.counts) for stretch in rested] == [2 * 2000, 2 * 2000]
@@ -128,16 +112,3 @@ def test_the_truth_s_rows_are_as_far_apart_from_one_stretch_to_the_next(rate_hz:
     a = [joint.a_m for joint in load_arm("dd-arm").joints]
     expected = np.sqrt(a[0] ** 2 + a[1] ** 2 + 2.0 * a[0] * a[1] * np.cos(played[0].truth["q2"]))
     np.testing.assert_allclose(reach, expected, rtol=0, atol=1e-12)
-
-
-def test_motion_noise_and_gyroscopes_draw_from_streams_of_their_own(monkeypatch: pytest.MonkeyPatch) -> None:
-    make, streams = np.random.default_rng, []
-
-    def noted(seed: list[int]) -> np.random.Generator:
-        streams.append(tuple(seed))
-        return make(seed)
-
-    monkeypatch.setattr(np.random, "default_rng", noted)
-    first(1, plan(1, 1.0, seed=4))
-    assert len(streams) == len(set(streams)) == 3
-    assert (4, 3) not in streams  # that is the line's

@@ -88,14 +88,3 @@ def test_the_virtual_arms_biases_are_found(limbd: Limbd, tmp_path: Path) -> None
     assert replace(written, sensors=tuple(unchanged)) == arm
     assert f"written to {out}" in zero.said
     assert "±" in zero.said
-
-
-def test_a_virtual_arm_that_moves_is_refused(limbd: Limbd, tmp_path: Path) -> None:
-    device = limbd("virtual", "--trials", "1", "--rate-hz", "8000", "--speed", "2", "--json")
-    port = device.announcement()["port"]
-    out = tmp_path / "zeroed.toml"
-    zero = limbd("zero", "--port", port, "--arm", "dd-arm", "--out", str(out))
-    assert zero.wait() == 4
-    assert device.stop() == 0
-    assert "error: the arm moves: " in zero.said
-    assert not out.exists()

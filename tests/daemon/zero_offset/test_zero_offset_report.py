@@ -7,10 +7,11 @@ import numpy as np
 import pytest
 
 from arm.arm_file import load_arm, save_arm
+from daemon.__main__ import main
 from daemon.config.config import load_setup
 from daemon.zero_offset import zero_offset as module
 from daemon.zero_offset.zero_offset import bias_at_rest, zero_sensors
-from limbcal.errors import ConfigError, NotIdentifiable
+from limbcal.errors import NotIdentifiable
 
 ARM = load_arm("dd-arm")
 G = 9.80665
@@ -41,14 +42,7 @@ def test_biases_go_into_the_arm_s_file_to_a_millionth(monkeypatch: pytest.Monkey
     assert zero_sensors(again, 1.0, None)["out"] == str(out)
 
 
-def test_an_arm_that_is_built_in_needs_a_file_to_go_to(monkeypatch: pytest.MonkeyPatch) -> None:
-    measured(monkeypatch, np.zeros(12))
-    setup = load_setup(None, {"device": {"port": "/dev/ttyX"}, "arm": {"file": "dd-arm"}})
-    with pytest.raises(ConfigError, match="arm 'dd-arm' is built in and cannot be written, expected --out FILE"):
-        zero_sensors(setup, 1.0, None)
-
-
-@pytest.mark.parametrize(("off", "warned"), [(2.999, False), (3.001, True), (-3.001, True)])
+@pytest.mark.parametrize(("off", "warned"), [(2.9, False), (-3.1, True)])
 def test_more_than_three_metres_per_second_squared_are_no_bias(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str], off: float, warned: bool
 ) -> None:
@@ -59,7 +53,7 @@ def test_more_than_three_metres_per_second_squared_are_no_bias(
     zero_sensors(setup, 1.0, tmp_path / "z.toml")
     captured = capsys.readouterr()
     text = " ".join((captured.out + captured.err).split())
-    assert ("warning: s2 is off by 3.0 m/s², more than accelerometers are" in text) == warned
+    assert ("warning: s2 is off by 3.1 m/s², more than accelerometers are" in text) == warned
     assert "bias, m/s²" in text and "written to" in text
 
 
@@ -98,3 +92,14 @@ def test_four_samples_tell_a_bias_and_its_error() -> None:
     level = np.tile([0.0, 0.0, G], 4) + 0.01 * np.random.default_rng(1).standard_normal((4, 12))
     found = bias_at_rest(ARM, np.zeros(2), level, 1.0)
     assert np.all(np.isfinite(found.bias_m_s2)) and np.all(np.isfinite(found.std)) and np.all(found.std > 0.0)
+
+
+def test_an_arm_that_moves_is_refused_and_nothing_written(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    moving = readings(np.zeros(12)) + 0.5 * np.linspace(0.0, 1.0, round(RATE_HZ))[:, None]
+    monkeypatch.setattr(module, "sample_burst", lambda *_: (RATE_HZ, moving))
+    out = tmp_path / "zeroed.toml"
+    assert main(["zero", "--port", "/dev/ttyX", "--arm", "dd-arm", "--out", str(out)]) == 4
+    assert "error: the arm moves: " in " ".join(capsys.readouterr().err.split())
+    assert not out.exists()

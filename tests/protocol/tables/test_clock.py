@@ -61,17 +61,6 @@ def test_rates_are_of_5_hz_to_40_khz(step, units):
     assert likely_units(step) == units
 
 
-@pytest.mark.parametrize(
-    ("first_s", "since_1970"),
-    [(631_151_999, False), (631_152_000, True), (4_102_444_799, True), (4_102_444_800, False)],
-)
-def test_stamps_since_1970_are_of_1990_to_2100(first_s, since_1970):
-    stamps = 1000.0 * first_s + np.array([0.0, 0.5])  # half a millisecond apart: by their step they tell nothing
-    clock = Clock()
-    clock.seconds(stamps)
-    assert (clock.since_1970, clock.unit) == ((True, "ms") if since_1970 else (False, ""))
-
-
 def test_stamps_that_a_float_holds_are_not_counted_anew():
     """Up to 2^23 s it does so to a nanosecond."""
     for first, origin in ((8_388_607_000, 0), (8_388_609_000, 8_388_609_000)):
@@ -98,3 +87,42 @@ def test_stamps_of_all_of_64_bits_are_counted_from_the_first(first: int, kind: t
     clock = Clock()
     np.testing.assert_allclose(np.diff(clock.seconds(stamps)), 1e-3)
     assert clock.origin == first and clock.unit == "us"
+
+
+#: 1990 and 2100.
+FIRST, LAST = 631_152_000, 4_102_444_800
+
+
+@pytest.mark.parametrize(("unit", "per_second"), [("ms", 10**3), ("us", 10**6), ("ns", 10**9)])
+@pytest.mark.parametrize(
+    ("year", "more", "since_1970"), [(FIRST, 0, True), (FIRST, -1, False), (LAST, -1, True), (LAST, 0, False)]
+)
+def test_stamps_since_1970_lie_between_1990_and_2100(
+    unit: str, per_second: int, year: int, more: int, since_1970: bool
+) -> None:
+    stamps = np.array([per_second * (year + more)], dtype=np.int64)
+    clock = Clock()
+    seconds = clock.seconds(stamps)
+    assert (clock.unit, clock.since_1970) == ((unit, True) if since_1970 else ("", False))
+    if since_1970:
+        assert clock.origin_s + seconds[0] == pytest.approx(year + more, rel=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("steps", "unit"),
+    [([1, 1, 1], ""), ([2, 2, 2], "ms"), ([2, 1, 1], ""), ([2, 2, 1], "ms"), ([500, 500, 500], "us")],
+)
+def test_whole_numbers_more_than_one_apart_are_no_seconds(steps: list[int], unit: str) -> None:
+    clock = Clock()
+    t = clock.seconds(np.cumsum([0, *steps]).astype(np.int64))
+    assert (clock.unit, clock.since_1970) == (unit, False)
+    assert t[1] == pytest.approx(steps[0] * {"": 1.0, "ms": 1e-3, "us": 1e-6}[unit])
+
+
+def test_the_first_block_that_has_rows_says_what_stamps_are() -> None:
+    clock = Clock()
+    assert clock.seconds(np.array([], dtype=np.int64)).tolist() == []
+    assert clock.seconds(np.array([0, 1_000_000], dtype=np.int64)).tolist() == pytest.approx([0.0, 0.001])
+    assert clock.seconds(np.array([2_000_000], dtype=np.int64)).tolist() == pytest.approx([0.002])
+    unfinished = Clock()
+    assert np.isnan(unfinished.seconds(np.array([np.nan, 1.0]))[0]) and unfinished.origin == 0

@@ -60,15 +60,6 @@ def test_time_must_rise():
         require_rising(t, "run.csv")
 
 
-def test_stamps_that_may_be_in_several_units_name_both():
-    require_seconds(T, "run.csv")
-    require_seconds(np.arange(10.0), "run.csv")
-    with pytest.raises(DataError, match="are they in ms or us"):
-        require_seconds(100.0 * np.arange(10), "run.csv")
-    with pytest.raises(DataError, match="in which unit"):
-        require_seconds(1e14 * np.arange(10), "run.csv")
-
-
 def test_trials_stand_in_one_piece():
     labels = np.array(["a", "a", "b"])
     assert trial_rows(labels, 3, "run.csv") == [("a", 0, 2), ("b", 2, 3)]
@@ -77,24 +68,10 @@ def test_trials_stand_in_one_piece():
         trial_rows(np.array(["a", "b", "b", "a"]), 4, "run.csv", first_row=10)
 
 
-@pytest.mark.parametrize(("hole_s", "rows"), [(1.0, []), (1.1, [51])])
-def test_a_hole_is_a_leap_where_it_is_longer_than_all_that_was_measured(hole_s, rows):
-    steps = np.full(101, 1.0 / 64.0)
-    steps[50] = 64.0 / 64.0 * 100.0 / 64.0 * hole_s  # a hundred steps were measured
-    t = np.concatenate([[0.0], np.cumsum(steps)])
-    assert leaps(t).tolist() == rows
-
-
 def test_the_longest_holes_are_the_leaps():
     steps = np.full(100, 1.0)
     steps[[20, 40, 60]] = [60.0, 50.0, 50.0]  # of 97 s measured the shorter two would be more, too
     assert leaps(np.concatenate([[0.0], np.cumsum(steps)])).tolist() == [21, 61]
-
-
-@pytest.mark.parametrize(("step", "rows"), [(10.0, []), (10.5, [3])])
-def test_a_hole_is_longer_than_ten_steps(step, rows):
-    t = np.concatenate([[0.0], np.cumsum([1.0, 1.0, step, 1.0, 1.0])])
-    assert leaps(t).tolist() == rows
 
 
 @pytest.mark.parametrize(("step", "fits"), [(0.5, True), (1.0, True), (1.01, False)])
@@ -119,3 +96,39 @@ def test_a_row_of_no_trial_is_named():
     with pytest.raises(DataError, match="there is no trial in row 11"):
         trial_rows(np.array(["", "a"]), 2, "run.csv", first_row=10)
     assert trial_rows(np.array(["a"]), 1, "run.csv") == [("a", 0, 1)]
+
+
+def stamps_at(*steps: float) -> np.ndarray:
+    return np.concatenate([[0.0], np.cumsum(steps)])
+
+
+@pytest.mark.parametrize(
+    ("steps", "rows"),
+    [
+        ([1.0] * 4 + [10.0] + [1.0] * 4, []),  # ten steps are no hole
+        ([1.0] * 4 + [10.5] + [1.0] * 4, [5]),  # a hole longer than the eight steps beside it
+        ([1.0] * 6 + [11.0] + [1.0] * 5, []),  # as long as they are
+        ([1.0] * 6 + [11.5] + [1.0] * 5, [7]),
+        ([1.0] * 15 + [11.0] + [1.0] * 15 + [12.0], []),
+        ([12.0] + [1.0] * 11, [1]),
+        ([1.0, 100.0], []),
+        ([1.0, 1.0, 100.0], [3]),
+        ([1.0], []),
+    ],
+)
+def test_a_leap_takes_longer_than_all_that_was_measured(steps: list[float], rows: list[int]) -> None:
+    assert leaps(stamps_at(*steps)).tolist() == rows
+
+
+@pytest.mark.parametrize(
+    ("step", "said"),
+    [
+        (1.01, r"stamps lie 1.01 apart, .* a row every 1 s at least; are they in ms\? then --columns t=t:ms"),
+        (500.0, r"are they in us\? then --columns t=t:us"),
+        (100_000.0, r"are they in us or ns\? then --columns t=t:us"),
+        (1e10, r"apart, .*; in which unit\?"),
+    ],
+)
+def test_rows_further_apart_are_in_another_unit(step: float, said: str) -> None:
+    with pytest.raises(DataError, match=said):
+        require_seconds(np.array([0.0, step]), "x.csv")
