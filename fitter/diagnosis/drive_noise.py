@@ -4,8 +4,8 @@ Noise of the angles enters an equation times masses that are in proportion to th
 drive that is weak, late or cut off leaves less noise beside a smaller torque, and the fewer squares of it are no
 evidence. Residuals under it therefore count in units of its own noise (`Regression.scale`).
 
-The noise of a drive is compared with that of the same model whose drive is ideal: the base parameters are fitted
-anew, the columns' factors stay what they are. So models that differ by a cause of no size are equally likely.
+The noise of a drive is compared with that of the same model whose drive is ideal, base parameters by least squares
+and the columns' factors the same in both. So models that differ by a cause of no size are equally likely.
 """
 
 from collections.abc import Callable, Sequence
@@ -46,27 +46,25 @@ class Equations(Protocol):
         """Return a motion's equations under a model."""
 
 
-#: Noise of some motions' equations under a model, of all joints together or joint by joint.
+#: Noise of some motions' equations under a model, joint by joint if that is asked for.
 NoiseOf = Callable[[Model, Sequence[Motion], bool], Noise]
 
 
 @dataclass(frozen=True)
-class _Ideal:
-    """The equations of a model with an ideal drive, and their noise.
+class _System:
+    """The normal equations of a model, and their noise.
 
     Attributes
     ----------
     gram : (n_factor, n_factor)
     rhs : (n_factor,)
     noise : Noise
-        Of all joints together.
-    by_joint : Noise
+        Of every joint.
     """
 
     gram: Floats
     rhs: Floats
     noise: Noise
-    by_joint: Noise
 
     def noise_beside(self, factors: Floats) -> Floats:
         """Return the noise of every joint with given factors, the base parameters fitted, (n_joint,)."""
@@ -78,7 +76,7 @@ class _Ideal:
             gram[:n, :n],
             rhs[:n] - gram[:n, n:] @ factors,
         )
-        noise_sum = self.by_joint.sum_of_squares(np.concatenate([x, factors]))
+        noise_sum = self.noise.sum_of_squares(np.concatenate([x, factors]))
         return np.asarray(np.maximum(noise_sum, TINY))
 
 
@@ -96,7 +94,7 @@ class DriveNoise:
     def __init__(self, equations: Equations, noise_of: NoiseOf, motions: Sequence[Motion]) -> None:
         self._equations, self._noise_of, self._motions = equations, noise_of, motions
         self._passed: dict[object, Floats] = {}
-        self._ideal: tuple[object, _Ideal] | None = None
+        self._ideal: tuple[object, _System] | None = None
 
     def share(self, model: Model, x: Floats, floor: Callable[[], Floats]) -> Floats:
         """Return which share of the noise's variance a model's drive leaves, (n_joint,).
@@ -110,22 +108,26 @@ class DriveNoise:
         """
         share = self._let_through(model) if model.cuts_off else np.ones(self._motions[0].u.shape[1])
         if model.distorts:
-            own = self._noise_of(model, self._motions, True).sum_of_squares(x)
-            ideal = self._without_drive(model).noise_beside(_factors_beside_drive(model, x))
+            factors = x[len(x) - model.n_column :]
+            beside = [np.full(one.n_column, not one.distorts) for one in model.hypotheses]
+            own = self._system(model).noise_beside(factors)
+            ideal = self._without_drive(model).noise_beside(factors[np.concatenate(beside)])
             beyond = floor()
             share = share * np.maximum((beyond + own) / (beyond + ideal), UNEXPLAINED)
         return np.asarray(share, dtype=np.float64)
 
-    def _without_drive(self, model: Model) -> _Ideal:
+    def _without_drive(self, model: Model) -> _System:
         """Return the equations with an ideal drive; what was asked about last is kept."""
         plain = model.undistorted()
         key = tuple((one, psi.tobytes()) for one, psi in zip(plain.hypotheses, plain.psi, strict=True))
         if self._ideal is None or self._ideal[0] != key:
-            rows = [self._equations.rows(plain, motion) for motion in self._motions]
-            gram, rhs = sum(one.columns.gram for one in rows), sum(one.rhs for one in rows)
-            noise, by_joint = (self._noise_of(plain, self._motions, apart) for apart in (False, True))
-            self._ideal = key, _Ideal(np.asarray(gram), np.asarray(rhs), noise, by_joint)
+            self._ideal = key, self._system(plain)
         return self._ideal[1]
+
+    def _system(self, model: Model) -> _System:
+        rows = [self._equations.rows(model, motion) for motion in self._motions]
+        gram, rhs = sum(one.columns.gram for one in rows), sum(one.rhs for one in rows)
+        return _System(np.asarray(gram), np.asarray(rhs), self._noise_of(model, self._motions, True))
 
     def _let_through(self, model: Model) -> Floats:
         key = tuple((one.key, psi.tobytes()) for one, psi in zip(model.hypotheses, model.psi, strict=True))
@@ -133,12 +135,6 @@ class DriveNoise:
             hypotheticals = [self._equations.hypothetical(model, motion) for motion in self._motions]
             self._passed[key] = let_through(hypotheticals, self._motions)
         return self._passed[key]
-
-
-def _factors_beside_drive(model: Model, x: Floats) -> Floats:
-    """Return the factors of those columns that are not a drive's."""
-    kept = [np.full(one.n_column, not one.distorts) for one in model.hypotheses]
-    return np.asarray(x[len(x) - model.n_column :][np.concatenate([np.zeros(0, dtype=np.bool_), *kept])])
 
 
 def let_through(hypotheticals: Sequence[HypotheticalMotion], motions: Sequence[Motion]) -> Floats:

@@ -145,7 +145,11 @@ def _moved(
         onto = np.linalg.pinv(basis) @ torque[np.ix_(free, free)] @ np.linalg.pinv(basis).T
         both = fit.covariance + fit.inverse @ onto @ fit.inverse / width**4
         covariance[free], covariance[:, free] = 0.0, 0.0
-        covariance[np.ix_(free, free)] = basis @ both @ basis.T
+        found = basis @ both @ basis.T
+        # What a limit holds has no scatter, and no known error.
+        held = np.diag(found) <= ROUNDED * np.diag(torque)[free]
+        found[held], found[:, held] = np.nan, np.nan
+        covariance[np.ix_(free, free)] = found
     return numbers.at(flat(fit.x)), covariance
 
 

@@ -123,7 +123,7 @@ def run_of(
     evaluate: Sequence[Trial],
     thin: bool = True,
     *,
-    stuck_share: float = 0.004,
+    stuck_share: float = 1e-4,
     near: int = 3,
 ) -> list[Motion]:
     """Return all trials of a run, learning ones first, on one clock.
@@ -136,8 +136,8 @@ def run_of(
     thin : bool
         Whether samples may be left out that the corner of the columns makes superfluous.
     stuck_share : float
-        A joint is taken to be stuck below this fraction of its top speed in the run, or where noise hides its
-        motion.
+        A joint is taken to be stuck where noise hides its motion, or, of angles without noise, below this fraction
+        of its top speed in the run, as for break-away (mathematics, 14). One that creeps is not: what pushes it shows.
     near : int
         Samples before and after a detected rest at which the joint may have rested, too.
 
