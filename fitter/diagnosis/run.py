@@ -137,7 +137,7 @@ def run_of(
         Whether samples may be left out that the corner of the columns makes superfluous.
     stuck_share : float
         A joint is taken to be stuck where noise hides its motion, or, of angles without noise, below this fraction
-        of its top speed in the run, as for break-away (mathematics, 14). One that creeps is not: what pushes it shows.
+        of its top speed in the run (mathematics, 14). One that creeps is not: what pushes it shows.
     near : int
         Samples before and after a detected rest at which the joint may have rested, too.
 
