@@ -1,8 +1,11 @@
 """A limb's joint angles frame by frame: weighted least squares from the angles of the frame before.
 
 Where that ends far from the markers, as at the beginning of a trial or after a gap, it begins anew from several
-postures and takes the best.
+postures and takes the best. So does one frame in so many wherever it ends: angles that fell into another minimum,
+a forearm turned half about, would be followed from frame to frame. What is better is then followed both ways.
 """
+
+import math
 
 import numpy as np
 
@@ -15,6 +18,14 @@ from limbcal.compiled import compiled
 
 #: Postures that a frame begins anew from.
 _STARTS = 24
+#: Frames from one that begins anew to the next at the most: to look for others then costs about as much as to
+#: follow.
+_ANEW_EVERY = 2 * _STARTS
+#: Angles of successive frames that differ by more may be of different minima [rad].
+_LEAP_RAD = 0.1
+#: What another minimum must save in the markers' cost: odds of 10 : 1. Where two triples of a ball joint's angles
+#: are one posture, the prior alone differs, and angles that leap between them would be no motion.
+_SAVES = 2.0 * math.log(10.0)
 #: A frame begins anew where its markers are farther off than this, in standard deviations, rms over them.
 _FAR = 5.0
 
@@ -66,26 +77,47 @@ def _follow(
     room: Slopes,
     q: Floats,
 ) -> None:
-    n = q.shape[1]
-    trial_q, best_q = np.empty(n), np.empty(n)
-    for k in range(q.shape[0]):
+    n, n_frame, last = q.shape[1], q.shape[0], 0
+    trial_q, best_q, cost = np.empty(n), np.empty(n), np.empty(n_frame)
+    for k in range(n_frame):
         begins = k == 0 or frames.trial[k] != frames.trial[k - 1]
         if not near and not begins:
             q[k] = q[k - 1]
-        cost = solve_frame(chain, frames, k, variance, prior, 60, room, q[k])
+        cost[k] = solve_frame(chain, frames, k, variance, prior, 60, room, q[k])
         n_seen = 0
         for m in range(chain.link.size):
             n_seen += not np.isnan(frames.y[k, m, 0])
-        if n_seen and (begins or cost > n_seen * t_cost(_FAR**2, 1.0)):
-            best = cost
+        anew = begins or cost[k] > n_seen * t_cost(_FAR**2, 1.0)
+        if n_seen and (anew or k - last >= _ANEW_EVERY):
+            last = k
             best_q[:] = q[k]
             for s in range(starts.shape[0]):
                 trial_q[:] = about[k] + starts[s]
                 found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q)
-                if found < best - 1e-6 * abs(best):
-                    best = found
+                saved = cost[k] - found
+                if saved > 1e-6 * abs(cost[k]) and (anew or saved - _freed(prior, best_q, trial_q) > _SAVES):
+                    cost[k] = found
                     best_q[:] = trial_q
             q[k] = best_q
+    for way in (-1, 1):
+        for i in range(1, n_frame):
+            k = n_frame - 1 - i if way < 0 else i
+            if frames.trial[k] == frames.trial[k - way] and np.abs(q[k - way] - q[k]).max() > _LEAP_RAD:
+                trial_q[:] = q[k - way]
+                found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q)
+                saved = cost[k] - found
+                if saved > 0.0 and saved - _freed(prior, q[k], trial_q) > _SAVES:
+                    cost[k] = found
+                    q[k] = trial_q
+
+
+@compiled
+def _freed(prior: AnglePrior, q: Floats, other: Floats) -> float:
+    """Return how much less other angles cost by the prior."""
+    total = 0.0
+    for i in range(q.size):
+        total += prior.information[i] * ((q[i] - prior.mean[i]) ** 2 - (other[i] - prior.mean[i]) ** 2)
+    return total
 
 
 @compiled

@@ -61,6 +61,25 @@ def test_any_posture_is_found_from_none(known, chain):
     np.testing.assert_array_equal(away[:, SWAY:], found[:, SWAY:] + 0.1)
 
 
+def test_another_minimum_is_left_again(known, chain):
+    """A slow motion whose frames all begin where a leg turned half about ends in another minimum."""
+    n = 120
+    t = 0.01 * np.arange(n)
+    q = np.tile(known.q[:1], (n, 1))
+    q[:, SWAY:] += 0.1 * np.sin(2.0 * np.pi * t[:, None] + np.arange(6.0))
+    frames = known.task.frames.rows(np.zeros(n, dtype=np.int64))._replace(t=t)
+    frames = frames._replace(y=predicted(chain, frames, q))
+    variance, prior, room = known.markers.std**2, known.task.angles, slopes_room(q.shape[1], 0)
+    away = q.copy()
+    away[:, SWAY:] += [-0.46, -0.32, -2.63, -1.39, 0.55, -0.56]
+    stuck = away.copy()
+    for k in range(n):
+        solve_frame(chain, frames, k, variance, prior, 60, room, stuck[k])
+    assert np.mean(np.abs(stuck - q).max(axis=1) > 0.5) > 0.5
+    found = follow(chain, frames, known.markers.std, prior, 0, near=away)
+    np.testing.assert_allclose(found, q, atol=0.06)
+
+
 def test_an_unseen_frame_is_where_the_prior_has_it(known, chain):
     y = known.task.frames.y.copy()
     y[3] = np.nan
