@@ -55,12 +55,14 @@ class Turned(NamedTuple):
 
     ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they
     were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint
-    reads the same where nothing shows the joint's zero.
+    reads the same where nothing shows the joint's zero. ``log_prior`` is that of the angles in which the arm was
+    first, up to a constant: a flat upright arm reads the same from behind.
     """
 
     ways: tuple[int, ...]
     log_likelihood: float
     is_near: bool
+    log_prior: float = 0.0
 
 
 def turned(arm: Arm, ways: tuple[int, ...]) -> Arm:
