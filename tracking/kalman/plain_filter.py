@@ -26,8 +26,7 @@ def filter_plainly(of: Observation, course: Course, x: Floats, P: Floats) -> Flo
 @compiled
 def _filter_along(of: Observation, room: Room, course: Course, x: Floats, P: Floats, states: Floats) -> None:
     of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
-    rooms, at = room_to_take(course, x.size, 1), np.empty(x.size)
-    taken = borrowed(rooms[0])
+    taken, at = room_to_take(course, x.size, 1)[0], np.empty(x.size)
     for k in range(states.shape[0]):
         if k > 0:
             predict(of, course, k, x, P)

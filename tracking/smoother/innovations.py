@@ -30,8 +30,7 @@ def fill_innovations(
         0 and infinity where nothing was read, and of joints that do not rest.
     """
     of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
-    taken = room_to_take(course, x.size, 1)
-    one = borrowed(taken[0])
+    one = room_to_take(course, x.size, 1)[0]  # not borrowed: nobody else keeps it
     for k in range(course.readings.shape[0]):
         filter_step(of, room, course, k, at, x, P, one)
         for row in range(one.total.size):

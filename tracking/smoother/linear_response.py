@@ -85,11 +85,10 @@ def fill_misses(
     Of what was not read, and of joints that do not rest, it is 0. The other parameters are those of `respond`.
     """
     of, room, course = borrowed(of), borrowed(room), borrowed(course)  # the caller keeps them
-    taken, x = room_to_take(course, P.shape[0], 1), np.zeros(P.shape[0])
-    one = borrowed(taken[0])
+    taken, x = room_to_take(course, P.shape[0], 1)[0], np.zeros(P.shape[0])  # not borrowed: nobody else keeps it
     for k in range(course.readings.shape[0]):
         miss[k] = 0.0
-        _forward(of, room, course, k, at, x, P, errors, noise, one, miss[k])
+        _forward(of, room, course, k, at, x, P, errors, noise, taken, miss[k])
 
 
 @compiled

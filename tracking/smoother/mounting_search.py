@@ -67,9 +67,8 @@ def likely_mounting(
     if not np.isfinite(best.log_likelihood) or as_told > best.log_likelihood - EQUAL_NATS:
         return Mounting(arm, prior, {}, [])
     equal = [one for one in ways if one.is_near and one.log_likelihood > best.log_likelihood - EQUAL_NATS]
-    best = max(
-        equal, key=lambda one: sum(way == 0 for way in one.ways), default=best
-    )  # the file's where nothing shows
+    # the file's where nothing shows, then the one that began nearest to where the arm is held to rest
+    best = max(equal, key=lambda one: (sum(way == 0 for way in one.ways), one.log_prior), default=best)
     names = [sensor.name for sensor in arm.sensors]
     axes = {name: axes_of(way) for name, way in zip(names, best.ways, strict=True) if way}
     undecided = []

@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 
 from arm.kinematics import rotation_from_rpy, rpy_from_rotation
 from arm.model import Arm, Floats
-from tracking.model.initial_state import MountingPrior, rest_residual
+from tracking.model.initial_state import GUESSED_STD, MountingPrior, rest_residual
 from tracking.model.noise import Noise
 from tracking.model.observation import observation_of
 from tracking.model.readings import Readings
@@ -55,12 +55,14 @@ class Turned(NamedTuple):
 
     ``ways`` is the number of the rotation of each. ``is_near`` says that lengths and places are then where they
     were held to be, within what they may be off: a sensor that faces backwards on the other side of its joint
-    reads the same where nothing shows the joint's zero.
+    reads the same where nothing shows the joint's zero. ``log_prior`` is that of the angles in which the arm was
+    first, up to a constant: a flat upright arm reads the same from behind.
     """
 
     ways: tuple[int, ...]
     log_likelihood: float
     is_near: bool
+    log_prior: float = 0.0
 
 
 def turned(arm: Arm, ways: tuple[int, ...]) -> Arm:
@@ -112,7 +114,7 @@ def log_likelihood(arm: Arm, readings: Readings, q: Floats, given: bool, prior: 
     """Return how likely the readings of the same stretch are if sensors are as an arm says, within a prior."""
     order = np.arange(len(arm.sensors))
     part = _part(arm, order)
-    found, near = _log_likelihood(part, _of_channels(readings, order), q[: part.n_joint], given, prior)
+    found, near, _ = _log_likelihood(part, _of_channels(readings, order), q[: part.n_joint], given, prior)
     return found if near else -np.inf
 
 
@@ -158,13 +160,21 @@ def _at_rest(
 
 def _log_likelihood(
     arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None
-) -> tuple[float, bool]:
+) -> tuple[float, bool, float]:
     """Return how likely readings are, the noise being as large as what the likeliest motion leaves of them.
 
-    The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought.
+    The second is whether lengths and mountings are near, where ``prior`` lets mountings be sought, the third the
+    logarithm of the prior of the first angles that are not given.
     """
     found = rough_motion(arm, readings, q, given, prior)
-    return (-np.inf, False) if found is None else (found.log_likelihood, found.is_near)
+    if found is None:
+        return -np.inf, False, 0.0
+    if given:
+        return found.log_likelihood, found.is_near, 0.0
+    away = found.states[0, : 3 * arm.n_joint : 3] - q
+    revolute = np.array([joint.type == "revolute" for joint in arm.joints])
+    away = np.where(revolute, np.remainder(away + np.pi, 2.0 * np.pi) - np.pi, away)
+    return found.log_likelihood, found.is_near, -0.5 * float(np.sum(away**2)) / GUESSED_STD**2
 
 
 def _part(arm: Arm, taken: NDArray[np.intp]) -> Arm:

@@ -74,6 +74,17 @@ def test_nothing_likely_leaves_the_file(monkeypatch: pytest.MonkeyPatch, dd_arm:
     assert (found.arm, found.axes) == (dd_arm, {})
 
 
+def test_of_equals_that_turn_as_many_the_likelier_first_angles_are_taken(
+    monkeypatch: pytest.MonkeyPatch, dd_arm: Arm
+) -> None:
+    """An upright flat arm reads the same from behind, where it hangs on the other side."""
+    behind, before = Turned((5, 7, 0, 0), 0.0, True, -4.9), Turned((9, 7, 0, 0), -0.1, True, -0.3)
+    assert judged(monkeypatch, dd_arm, -50.0, behind, before).arm == turned(dd_arm, (9, 7, 0, 0))
+    assert judged(monkeypatch, dd_arm, -50.0, behind._replace(ways=(5, 0, 0, 0)), before).axes == {
+        "s1": axes_of(5)
+    }
+
+
 def test_of_equals_that_nearest_the_file_is_taken_and_others_told(
     monkeypatch: pytest.MonkeyPatch, dd_arm: Arm
 ) -> None:

@@ -160,6 +160,16 @@ def test_what_is_near_comes_before_what_is_likelier(few, monkeypatch) -> None:
     assert not found[-1].is_near and max(one.log_likelihood for one in found if not one.is_near) == 0.0
 
 
+@pytest.mark.parametrize(("given", "expected"), [(True, 0.0), (False, -0.5 * (0.1**2 + 0.2**2 + 1.0**2))])
+def test_first_angles_that_are_not_given_are_likelier_near_the_zero(few, monkeypatch, given, expected) -> None:
+    """But for whole turns; the standard deviation of a guess is 1 rad."""
+    states = np.zeros((4, 12))
+    states[0, :9:3] = 0.1, 2.0 * np.pi - 0.2, 1.0
+    monkeypatch.setattr(orientations, "rough_motion", lambda *_: RoughMotion(states, 1, -5.0, True))
+    found = orientations._log_likelihood(few, None, np.zeros(3), given, None)
+    assert found == (-5.0, True, pytest.approx(expected))
+
+
 @pytest.mark.parametrize(
     ("motion", "expected"),
     [
