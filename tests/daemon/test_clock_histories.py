@@ -14,7 +14,7 @@ _RECOGNISED_S = 1.0
 
 
 @pytest.mark.parametrize("part", range(4))
-def test_stamps_stay_near_the_host_and_counts_are_right_where_they_are_called_exact(part: int, long: Long) -> None:
+def test_stamps_stay_near_the_host_and_exact_counts_are_right(part: int, long: Long) -> None:
     beyond = known = 0
     n_history = long.of(2500, 40)
     for seed in range(part * n_history, (part + 1) * n_history):
@@ -71,7 +71,7 @@ def test_a_delivery_that_catches_up_is_no_clock_that_halted(faster: float) -> No
     assert off_s.max() < 0.35 and not found.gaps  # all that is late by a constant moves stamps: by two seconds
 
 
-def test_a_timer_that_is_read_in_two_halves_moves_no_stamp_and_costs_no_sample() -> None:
+def test_a_timer_read_in_two_halves_costs_no_sample() -> None:
     history = drawn(6)
     assert not history.lies_s and np.all(history.sent)
     history.ticks[120] += 1 << 32
@@ -91,7 +91,7 @@ def test_a_clock_that_jumps_an_hour_is_taken_back_by_an_hour() -> None:
     assert np.max(np.abs(found.stamp_s - history.taken_s)) < 2 * _WAY_S
 
 
-def test_a_clock_that_stands_still_is_off_once_and_samples_are_counted_by_frames() -> None:
+def test_while_a_clock_stands_still_frames_count_the_samples() -> None:
     history = drawn(6)
     history.ticks[100:200] = [history.ticks[100]] * 100
     found = received(history, 0)
@@ -126,7 +126,7 @@ def test_a_clock_that_shows_anything_is_no_reason_to_lose_the_time() -> None:
     assert np.nanmax(off_s - 3.0 * found.error_s) < _WAY_S
 
 
-def test_an_error_that_was_stated_stays_stated_while_a_line_is_begun_anew() -> None:
+def test_a_stated_error_stays_stated_on_a_new_line() -> None:
     history = drawn(6, 12.0)
     history.taken_s[400:] = history.taken_s[400] + 0.92 * (history.taken_s[400:] - history.taken_s[400])
     history.taken_s[800:] = history.taken_s[800] + 1.15 * (history.taken_s[800:] - history.taken_s[800])
@@ -163,7 +163,7 @@ def test_a_clock_that_shows_anything_from_the_start_moves_no_stamp(bits: int, se
 
 
 @pytest.mark.parametrize("shown", [0, (1 << 62) + 1, (1 << 63) - 1, 1 << 63, (1 << 64) - 1])
-def test_one_frame_at_the_end_of_what_can_be_written_is_misread_once(shown: int) -> None:
+def test_a_clock_at_its_largest_number_is_misread_once(shown: int) -> None:
     history = drawn(6)
     history.ticks[120] = shown
     off_s, found = _off_s(history)

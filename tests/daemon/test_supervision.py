@@ -59,9 +59,7 @@ def manager(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Manager
     made.close()
 
 
-def test_it_is_ready_while_it_waits_and_when_the_first_frame_is_out(
-    limbd: Limbd, manager: Manager, tmp_path: Path
-) -> None:
+def test_it_is_ready_while_it_waits_and_streams(limbd: Limbd, manager: Manager, tmp_path: Path) -> None:
     link = tmp_path / "device"
     to = ("--arm", "dd-arm", "--method", "integrate", "--endpoint", f"ipc://{tmp_path}/f", "--json")
     daemon = limbd("run", "--wait", "--port", str(link), *to)

@@ -235,26 +235,6 @@ def test_what_was_made_ahead_is_dropped_where_it_is_not_due(source: Source, fake
     assert (player.state()["position_s"], player.state()["speed"]) == (pytest.approx(0.72), 2.0)
 
 
-def test_thirty_two_frames_are_made_at_once_and_ahead(
-    source: Source, fake_time: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked: list[int] = []
-    at = Trajectory.at
-
-    def counted(motion: Trajectory, t: np.ndarray) -> Any:
-        asked.append(len(t))
-        return at(motion, t)
-
-    player = Player(source, 100.0, fake_time.clocks, 3)
-    player.play()
-    monkeypatch.setattr(Trajectory, "at", counted)
-    player.prepare()
-    player.prepare()  # while there are some, no others are made
-    fake_time.now_s += 0.315
-    assert len(drain(player)) == 32
-    assert asked == [32]
-
-
 @pytest.mark.parametrize(("speed", "gaps"), [(1.0, [3]), (2.0, [2]), (4.0, [1])])
 def test_a_frame_answers_for_the_way_from_the_one_before(
     source: Source, fake_time: Any, speed: float, gaps: list[int]

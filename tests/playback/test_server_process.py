@@ -66,37 +66,30 @@ def test_the_trials_are_listed_with_their_lengths(playback) -> None:
     assert reply["ok"] is True
 
 
+#: Each kind of mistake; which others there are the request's own tests say.
 BAD = [
-    (b"", "not msgpack"),
-    (b"play", "not msgpack"),
-    (b"\xc1", "not msgpack"),
     (b"\x91" * 50_000, "not msgpack"),
-    (b"\x82\xa3cmd\xa4play\xa1v" + b"\x91" * 1000 + b"\x01", "request: "),
-    (msgpack.packb("play"), "expected a map"),
-    (msgpack.packb({"v": 2, "cmd": "play"}), "version is 2"),
     (msgpack.packb({"v": 1, "cmd": "dance"}), "cmd is 'dance'"),
     (msgpack.packb({"v": 1, "cmd": "seek", "position_s": 9.0}), "position_s is 9, expected 0 to "),
     (msgpack.packb({"v": 1, "cmd": "speed", "speed": 11}), "speed is 11, expected 0.1 to 10"),
     (msgpack.packb({"v": 1, "cmd": "load", "trial": 99}), "there is no trial 99, expected one of 1, 2, 3"),
-    (msgpack.packb({"v": 1, "cmd": "load", "trial": 2**60}), "there is no trial"),
     (msgpack.packb({"v": 1, "cmd": "play", "x": bytes(100_000)}), "expected at most 65536"),
 ]
 
 
-@pytest.mark.parametrize(("payload", "said"), BAD)
 @pytest.mark.parametrize("kind", [zmq.REQ, zmq.DEALER], ids=["REQ", "DEALER"])
-def test_a_bad_request_is_refused_and_survived(playback, kind: int, payload: bytes, said: str) -> None:
+def test_a_bad_request_is_refused_and_survived(playback, kind: int) -> None:
+    before = playback.ask("state")["state"]
     with playback.context.socket(kind) as socket:
         socket.linger = 0
         socket.connect(playback.control)
-        before = playback.ask("state")["state"]
-        socket.send(payload)
-        assert socket.poll(PATIENCE_MS)
-        parts = socket.recv_multipart()
-    assert len(parts) == 1
-    reply = msgpack.unpackb(parts[0])
-    assert (reply["v"], reply["ok"]) == (1, False)
-    assert said in reply["error"]
+        for payload, said in BAD:
+            socket.send(payload)
+            assert socket.poll(PATIENCE_MS)
+            (answer,) = socket.recv_multipart()
+            reply = msgpack.unpackb(answer)
+            assert (reply["v"], reply["ok"]) == (1, False)
+            assert said in reply["error"]
     assert playback.ask("state")["state"] == before
 
 

@@ -140,7 +140,7 @@ def refused_until(time_s: float, why: str = "taken") -> Callable[[float], Except
     return lambda now_s: DeviceError(why) if now_s < time_s else None
 
 
-def test_a_port_that_may_not_be_opened_is_tried_after_twice_as_long_up_to_a_second(world: World) -> None:
+def test_a_refused_port_is_tried_ever_less_often(world: World) -> None:
     world.mistake = refused_until(99.0)
     run(world, 4.0)
     assert world.times("trying") == pytest.approx([0.0, 0.1, 0.3, 0.7, 1.5, 2.5, 3.5])

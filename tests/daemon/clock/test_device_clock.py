@@ -124,7 +124,7 @@ def test_a_clock_begins_at_what_it_is_told() -> None:
 
 
 @pytest.mark.parametrize(("ppm", "crystal"), [(30.0, True), (-60.0, True), (1000.0, False), (-700.0, False)])
-def test_what_a_crystal_may_have_is_drawn_to_it_as_far_as_it_is_uncertain(ppm: float, crystal: bool) -> None:
+def test_an_uncertain_rate_is_drawn_to_a_crystal_s(ppm: float, crystal: bool) -> None:
     """Arrivals without scatter: what all may have waited, a hundredth of a second, is three standard errors."""
     state = steady(20.0, ppm)[0].state
     off = 1.0 / (1.0 + 1e-6 * ppm) - 1.0
@@ -147,9 +147,7 @@ def test_stamps_go_through_arrivals_as_they_came() -> None:
     ("late_s", "seconds", "caught_up"),
     [(0.060, 0.45, False), (0.060, 0.55, True), (0.045, 0.55, False), (0.049, 1.5, False), (0.054, 0.55, True)],
 )
-def test_arrivals_that_are_all_late_twice_in_a_row_are_caught_up_with(
-    late_s: float, seconds: float, caught_up: bool
-) -> None:
+def test_stamps_catch_up_with_arrivals_late_twice_in_a_row(late_s: float, seconds: float, caught_up: bool) -> None:
     _, off_s = steady(seconds, late_s=late_s)
     assert (off_s > 0.045) == caught_up
     assert off_s <= late_s + 1e-3

@@ -82,7 +82,7 @@ def test_steps_that_do_not_agree_change_nothing(bits: int) -> None:
 @pytest.mark.parametrize(
     ("ticks", "most", "changed"), [(11_000, 1.15, True), (12_000, 1.15, False), (12_000, 9.9, True)]
 )
-def test_a_rate_that_the_host_was_not_asked_about_rises_by_what_an_oscillator_is_off(
+def test_without_the_host_a_rate_rises_by_an_oscillator_s_tolerance(
     ticks: int, most: float, changed: bool
 ) -> None:
     step = TickStep(312.5, 1e7)
@@ -105,7 +105,7 @@ def test_two_steps_are_no_majority_for_what_no_oscillator_is_off_by(given: list[
 
 
 @pytest.mark.parametrize("ticks", [5_000, 20_000, 40_000])
-def test_an_info_that_is_off_by_far_is_wrong_if_five_steps_say_so(ticks: int) -> None:
+def test_five_steps_outvote_an_info_that_is_far_off(ticks: int) -> None:
     step = TickStep(312.5, 1e7)
     step.decide([(ticks, 32)] * MAJORITY)
     assert step.measured and step.ticks_per_sample == ticks / 32

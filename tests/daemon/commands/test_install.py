@@ -8,7 +8,7 @@ import pytest
 from daemon.__main__ import main
 
 
-def test_by_default_the_root_is_installed_under_and_a_dry_run_writes_nothing(
+def test_options_of_an_installation_are_passed_on(
     capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     asked: list[object] = []

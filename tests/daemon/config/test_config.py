@@ -257,7 +257,7 @@ def test_a_value_that_will_not_do_is_said_with_its_field(tables: dict, said: str
     assert said in mistake
 
 
-def test_what_is_attached_to_a_recording_says_each_value_and_no_table_that_is_not() -> None:
+def test_an_attached_config_says_every_value() -> None:
     text = format_config(load_setup(None, {**FLAGS, "publish": {"raw": True}}).config)
     assert text.startswith(
         '[device]\nport = "/dev/ttyX"\nbaud = 12000000\nreal_time = true\n\n[arm]\nfile = "dd-arm"\n'

@@ -96,7 +96,7 @@ def test_losses_and_garbage_are_of_the_time_since_the_last_report() -> None:
     assert look(taker, looker, health(), records=True) == {}
 
 
-def test_a_recording_that_was_taken_away_is_wrong_for_the_rest_of_the_run() -> None:
+def test_a_recording_taken_away_is_an_alarm_for_good() -> None:
     taker, looker = conditions(device_info())
     for _ in range(3):
         wrong = looker.look(health(), taker.watch.take(), True, removed=2)
@@ -113,7 +113,7 @@ def test_what_no_device_may_say_is_shown_by_its_field() -> None:
     assert ("nonsense", "") not in look(taker, looker, health(), True)
 
 
-def test_a_rate_and_a_clock_without_an_error_of_their_own_are_said_in_full() -> None:
+def test_a_rate_without_an_error_is_said_in_full() -> None:
     taker, looker = conditions(device_info(RATE_HZ))
     rate = {"claimed_hz": 8000.0, "in_use_hz": 8000.0, "std_ppm": 0.0}
     wrong = look(taker, looker, health(rate_hz=8800.0, rate=rate, clock_ppm=None), records=True)
@@ -122,7 +122,7 @@ def test_a_rate_and_a_clock_without_an_error_of_their_own_are_said_in_full() -> 
     assert look(taker, looker, health(rate_hz=None, clock_ppm=None), records=True) == {}
 
 
-def test_an_error_of_the_clock_is_shown_long_enough_to_be_an_alarm() -> None:
+def test_a_clock_error_is_shown_long_enough_to_alarm() -> None:
     taker, looker = conditions(device_info(RATE_HZ))
     taker.guard.errors = 4
     said = [look(taker, looker, health(), records=True).get(("clock", "device")) for _ in range(5)]

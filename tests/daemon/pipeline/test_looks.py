@@ -50,7 +50,7 @@ def test_where_nothing_comes_a_look_comes_after_a_block_s_time() -> None:
     assert looks.wait_s([], 5 * 10**9) == pytest.approx(0.010)  # it was due long ago
 
 
-def test_after_a_silence_the_pace_is_not_taken_for_that_of_the_reader() -> None:
+def test_a_silence_is_no_pace_of_the_reader() -> None:
     looks = Looks()
     looks.wait_s([Chunk(0, b"a")], 0)
     assert looks.wait_s([Chunk(10**9, b"a")], 10**9) <= 0.032

@@ -67,7 +67,7 @@ def test_one_that_does_not_stop_is_killed(pty_device: Callable[..., Any]) -> Non
         ("Strange", 3),
     ],
 )
-def test_only_a_config_or_a_recording_is_a_mistake_and_all_else_the_devices(kind: str, code: int) -> None:
+def test_failures_other_than_of_input_are_the_device_s(kind: str, code: int) -> None:
     assert failure({"what": "failed", "kind": kind, "sentence": "so"}).exit_code == code
 
 

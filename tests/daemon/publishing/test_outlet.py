@@ -93,7 +93,7 @@ def test_frames_before_a_phase_are_sent_before_it(room: Room) -> None:
     assert first["last_seq"] == {FRAMES: 1, PLOT: 0} and second["last_seq"] == {FRAMES: 1, PLOT: 0, TRIAL: 0}
 
 
-def test_rows_to_plot_are_sent_five_at_a_time_and_what_is_left_when_asked(room: Room) -> None:
+def test_rows_to_plot_are_sent_five_at_a_time(room: Room) -> None:
     room.outlet.send_frames([frames(0, 120)])
     room.outlet.flush()
     room.outlet.flush()

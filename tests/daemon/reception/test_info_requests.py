@@ -37,7 +37,7 @@ def test_what_was_not_answered_for_five_seconds_of_samples_will_not_be() -> None
     assert requests.unanswered == 1
 
 
-def test_requests_long_overdue_stay_open_together_until_samples_come_long_after_the_last_of_them() -> None:
+def test_overdue_requests_stay_open_until_samples_come_much_later() -> None:
     requests = requests_at(0, 2, 4, 6, 8)  # by the last, those at 0 and 2 are overdue
     requests.samples_came(7 * S)
     assert requests.unanswered == 5
@@ -54,7 +54,7 @@ def test_the_oldest_requests_are_answered_first() -> None:
     assert requests.unanswered == 1
 
 
-def test_a_device_that_was_unplugged_may_have_been_asked_by_anybody_until_its_samples_come() -> None:
+def test_an_unplugged_device_may_have_been_asked_by_anybody() -> None:
     requests = requests_at(0, 7)
     requests.lost_device()
     assert (requests.unanswered, requests.most, requests.unplugged) == (0, math.inf, True)

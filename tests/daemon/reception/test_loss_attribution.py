@@ -40,7 +40,7 @@ def test_where_no_frame_can_be_known_its_bytes_count() -> None:
     assert not looked((0, FRAME_BYTES)).explains(10 * 32, FRAME)
 
 
-def test_a_frame_of_which_the_line_lost_most_explains_all_that_went_with_it() -> None:
+def test_a_mostly_lost_frame_explains_its_whole_gap() -> None:
     assert looked((1, 100)).explains(5 * 32, FRAME)
 
 

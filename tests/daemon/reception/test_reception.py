@@ -113,7 +113,7 @@ def test_samples_that_wait_for_an_info_are_a_strangers_when_it_comes() -> None:
     assert taker.identity.strangers == 4  # three frames, and the INFO
 
 
-def test_a_rate_is_known_a_quarter_of_a_second_after_the_first_samples() -> None:
+def test_a_rate_is_known_after_a_quarter_of_a_second() -> None:
     taker = reception(device_info(RATE_HZ))
     assert not taker.knows_rate(time.monotonic_ns() + 10**12)
     at_ns = time.monotonic_ns()

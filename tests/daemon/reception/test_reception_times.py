@@ -225,7 +225,7 @@ def test_a_frame_whose_clock_is_in_doubt_waits_as_long(after_ns: int, entered: i
     assert taker.reception.ledger.samples == 32 * entered
 
 
-def test_frames_that_wait_for_an_info_are_nobodys_when_the_port_goes_away_again() -> None:
+def test_frames_waiting_for_an_info_are_lost_with_the_port() -> None:
     taker = began(Taker())
     for _ in range(2):
         taker.take(b"pulled", mark=Mark.LOST)
@@ -261,7 +261,7 @@ def test_before_anything_came_there_is_a_device_and_no_rate() -> None:
 
 
 @pytest.mark.parametrize(("lost", "exact"), [(64, True), (32, True), (48, False), (96, False)])
-def test_after_a_pulled_cable_a_gap_is_exact_where_infos_explain_the_numbers(lost: int, exact: bool) -> None:
+def test_after_a_pulled_cable_infos_may_explain_the_numbers(lost: int, exact: bool) -> None:
     """Two numbers are missing, of 32 samples each unless they were those of INFO frames."""
     taker = began(Taker())
     taker.take(b"pulled", mark=Mark.LOST)

@@ -98,7 +98,7 @@ def test_a_clock_that_went_back_is_a_restart() -> None:
     assert ledger.missing(one) is None
 
 
-def test_numbers_that_begin_anew_are_a_restart_even_if_the_clock_is_ahead() -> None:
+def test_numbers_that_begin_anew_are_a_restart() -> None:
     ledger = SampleLedger(32000.0, 1e6)
     entered(ledger, frames(1, 500, 32000.0, 1e6)[0])
     assert ledger.missing(SamplesFrame(1, 10**9, np.zeros((32, 12), dtype=np.int16))) is None
@@ -245,7 +245,7 @@ def test_a_device_that_counts_anew_after_its_info_has_lost_nothing() -> None:
     assert other.begun_anew(frame_at(5, 200)) and not other.begun_anew(frame_at(1001, 200))
 
 
-def test_of_frames_lost_before_the_first_no_more_are_counted_than_there_was_time_for() -> None:
+def test_before_the_first_frame_no_more_is_lost_than_time_allows() -> None:
     for missed, counted in ((0, 0), (3, 96), (4, 96 + 32), (6, 0)):
         ledger = SampleLedger(8000.0, 1e6)
         ledger.pass_over(10, 1000)
@@ -330,7 +330,7 @@ def millis_after(first: SamplesFrame) -> SampleLedger:
         (2, 57, 25),
     ],
 )
-def test_a_step_that_is_off_by_more_than_two_samples_is_a_loss(sequence: int, step: int, lost: int) -> None:
+def test_a_step_off_by_over_two_samples_is_a_loss(sequence: int, step: int, lost: int) -> None:
     """Behind 32 lost samples it may be off by 15 % of them and a ten-thousandth more: 6.8032 samples."""
     assert millis_after(frame_at(0, 500)).missing(frame_at(sequence, 500 + step)) == lost
 

@@ -221,9 +221,7 @@ def test_a_clock_may_be_off_by_the_tolerance_and_no_more(beyond: int, sign: int)
 
 @pytest.mark.parametrize(("first", "lost"), [(-5 * N * ODD, 0), (3 * ODD, 3)])
 @pytest.mark.parametrize("beyond", [0, 1])
-def test_the_next_frame_clears_up_a_misread_clock_or_a_loss_within_the_tolerance(
-    first: int, lost: int, beyond: int
-) -> None:
+def test_the_next_frame_clears_up_what_is_within_tolerance(first: int, lost: int, beyond: int) -> None:
     guarded, sign = Guarded(p=ODD), 1 if lost else -1
     guarded.take(frame(10, first, ODD), frame(11, lost * ODD + sign * (TOLERANCE + beyond), ODD))
     assert guarded.ledger.lost_samples == lost

@@ -135,7 +135,7 @@ def test_what_could_not_be_read_is_warned_of(
     assert "warning: " in capsys.readouterr().err
 
 
-def test_without_a_message_arm_and_config_are_saved_and_without_these_nothing_is(tmp_path: Path) -> None:
+def test_without_arm_and_config_nothing_is_saved(tmp_path: Path) -> None:
     path, cut, out = tmp_path / "run.mcap", tmp_path / "cut.mcap", tmp_path / "out.mcap"
     RecordingWriter(path, "arm", "config").close()
     data = path.read_bytes()

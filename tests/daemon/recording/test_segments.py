@@ -120,9 +120,7 @@ def test_what_can_not_be_kept_is_counted(tmp_path: Path, monkeypatch: pytest.Mon
     assert numbers(tmp_path) == list(range(some.messages))
 
 
-def test_what_is_kept_while_nothing_can_be_written_is_the_newest_and_bounded(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_while_nothing_can_be_written_the_newest_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     free = [10**9]
     monkeypatch.setattr(shutil, "disk_usage", lambda _: shutil._ntuple_diskusage(0, 0, free[0]))
     monkeypatch.setattr(module, "_KEPT_BYTES", 100_000)
@@ -201,7 +199,7 @@ def test_a_file_that_is_taken_away_in_the_last_moment_is_noticed(tmp_path: Path)
     assert len(numbers(tmp_path)) == some.messages
 
 
-def test_a_folder_on_a_disk_that_was_taken_out_is_not_made_on_another(tmp_path: Path) -> None:
+def test_a_removed_disk_s_folder_is_not_made_elsewhere(tmp_path: Path) -> None:
     events: Events = []
     clock = Clock()
     folder = tmp_path / "disk" / "recordings"

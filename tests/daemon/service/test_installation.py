@@ -138,7 +138,7 @@ def test_what_is_done_to_each_file_is_told(tmp_path: Path) -> None:
         ({"remove": True}, "not there: ", False),
     ],
 )
-def test_what_is_to_be_done_next_is_said_where_something_was_laid_down(
+def test_after_an_installation_the_next_steps_are_said(
     tmp_path: Path, capsys: pytest.CaptureFixture[str], how: dict[str, bool], said: str, next_steps: bool
 ) -> None:
     install(tmp_path, **how)

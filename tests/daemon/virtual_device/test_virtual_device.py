@@ -109,7 +109,7 @@ def test_start_sends_info_and_then_what_is_due(bench: Callable[..., Bench]) -> N
         np.testing.assert_array_equal(frame.counts[:, 5], np.arange(32) + 32 * k)
 
 
-def test_what_the_host_does_not_take_is_dropped_and_the_numbers_go_on(bench: Callable[..., Bench]) -> None:
+def test_dropped_frames_keep_their_numbers(bench: Callable[..., Bench]) -> None:
     b = bench(fifo_bytes=5000)
     b.device.receive(b"START\n", 100.0)
     b.device.advance(101.0)
@@ -180,9 +180,7 @@ def test_the_truth_outlives_a_stop(bench: Callable[..., Bench]) -> None:
 
 
 @pytest.mark.parametrize("awake_s", [0.0, 0.003])
-def test_power_that_comes_back_while_the_motion_is_late_begins_a_clock_that_never_runs_backwards(
-    bench: Callable[..., Bench], awake_s: float
-) -> None:
+def test_after_a_power_cut_the_clock_never_runs_backwards(bench: Callable[..., Bench], awake_s: float) -> None:
     one = bench(available=160)
     one.device.receive(b"START\n", 100.0)
     one.device.advance(100.02)

@@ -185,9 +185,7 @@ def test_frames_come_as_they_are_due(world: World, capsys: pytest.CaptureFixture
     assert world.port_log == ["unplug", "plug", "source closed", "closed"]
 
 
-def test_a_host_that_does_not_read_is_said_once_and_what_is_dropped_is_counted(
-    world: World, capsys: pytest.CaptureFixture[str]
-) -> None:
+def test_frames_that_the_host_does_not_read_are_counted(world: World, capsys: pytest.CaptureFixture[str]) -> None:
     world.takes, world.until = 0, 1000
     serve(options())
     # INFO and the frames of five seconds have come; the memory holds half a second and 64 KiB

@@ -89,7 +89,7 @@ def test_without_trials_an_arm_with_weight_rests_where_it_hangs() -> None:
         np.testing.assert_allclose(held, q[j], rtol=0, atol=1e-9)
 
 
-def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times_a_second() -> None:
+def test_the_truth_of_a_rest_has_a_row_a_millisecond() -> None:
     rested = first(2, plan(0))
     assert [len(stretch.counts) for stretch in rested] == [2 * 2000, 2 * 2000]
     assert np.diff(np.concatenate([stretch.truth["t"] for stretch in rested])) == pytest.approx(0.001)
@@ -97,7 +97,7 @@ def test_rest_lasts_two_seconds_a_stretch_and_the_truth_is_kept_a_thousand_times
 
 
 @pytest.mark.parametrize("rate_hz", [2500.0, 3500.0, 300.0])
-def test_the_truth_s_rows_are_as_far_apart_from_one_stretch_to_the_next(rate_hz: float) -> None:
+def test_rows_of_the_truth_are_evenly_apart_across_stretches(rate_hz: float) -> None:
     """Also where a stretch has no whole number of them: every second of 16875 samples, every fourth of 23625."""
     played = first(3, replace(plan(1), rate_hz=rate_hz))
     n = [len(stretch.counts) for stretch in played]

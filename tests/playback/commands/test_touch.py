@@ -143,14 +143,3 @@ def test_once_a_second_it_says_how_it_goes(
 def test_a_joint_rests_at_a_number(q0: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert main(["touch", "--q0", q0]) == 2
     assert f"--q0 is '{q0}', expected 2 numbers with commas between them" in capsys.readouterr().err
-
-
-@pytest.mark.parametrize("seconds", ["0", "-1", "nan"])
-def test_it_lasts_some_time(seconds: str, capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["touch", "--seconds", seconds]) == 2
-    assert f"--seconds is {float(seconds):g}, expected above 0" in capsys.readouterr().err
-
-
-def test_a_virtual_hand_has_no_key(capsys: pytest.CaptureFixture[str]) -> None:
-    assert main(["touch", "--device", "virtual", "--keys", "k"]) == 2
-    assert "--device virtual has no key" in capsys.readouterr().err

@@ -80,11 +80,6 @@ def test_an_arm_is_touched_where_it_rests(shown: Shown) -> None:
     assert (held.arm, held.q0) == ("human-arm-right", (0.5, -1.0, 2.0))
 
 
-@pytest.mark.parametrize("port", [0, 65535])
-def test_any_port_is_taken(shown: Shown, port: int) -> None:
-    assert shown("--port", str(port)).port == port
-
-
 @pytest.mark.parametrize(
     ("arguments", "said"),
     [

@@ -101,30 +101,6 @@ def test_the_floor_is_under_the_base(motion: Sampled) -> None:
     assert min(abs(heights.min()), abs(heights.max())) == pytest.approx(0.0, abs=1e-9)
 
 
-@pytest.mark.parametrize(
-    ("gravity", "up"), [((0.0, 0.0, -9.81), [0, 0, 1]), ((3.0, 0.0, -4.0), [-0.6, 0, 0.8]), ((0, 0, 0), [0, 0, 1])]
-)
-def test_up_is_against_gravity(gravity: tuple[float, float, float], up: list[float]) -> None:
-    assert upward(replace(load_arm("dd-arm"), gravity_m_s2=gravity)) == pytest.approx(up)
-
-
-def test_the_viewer_stands_22_degrees_above_and_55_to_the_right() -> None:
-    arm = replace(load_arm("spatial-arm"), gravity_m_s2=(0.0, 0.0, -9.81))
-    camera = look_at(sample(source_of(arm), None, 60.0, 1.0).movers, WIDTH, HEIGHT)
-    around, above = np.radians([55.0, 22.0])
-    viewer = [np.cos(above) * np.cos(around), -np.cos(above) * np.sin(around), np.sin(above)]
-    assert camera.axes[2] == pytest.approx(viewer)
-    assert camera.axes[0] == pytest.approx([np.sin(around), np.cos(around), 0.0])
-
-
-def test_a_flat_arm_is_tilted_by_24_degrees(pair: Sampled) -> None:
-    camera = look_at(pair.movers, WIDTH, HEIGHT)
-    assert camera.axes[2, 2] == pytest.approx(np.cos(np.radians(24.0)))
-    upper = look_at(pair.movers, WIDTH, HEIGHT, HEAD)
-    assert (upper.origin - camera.origin)[1] > 0.5 * HEAD - 1.0  # lower by half of what is kept free
-    assert upper.scale <= camera.scale
-
-
 @pytest.mark.parametrize("stretched", [0, 1, 2])
 def test_a_moment_s_reach_is_in_the_picture(stretched: int) -> None:
     """Folded it needs hardly any room, but for one instant."""
@@ -135,18 +111,3 @@ def test_a_moment_s_reach_is_in_the_picture(stretched: int) -> None:
     camera = look_at((mover,), WIDTH, HEIGHT)
     right, down, _ = camera.project(np.array([1.0, 0.0, 0.0]))
     assert 0.0 < right < WIDTH and 0.0 < down < HEIGHT
-
-
-def test_of_a_long_motion_two_hundred_instants_are_looked_at(monkeypatch: pytest.MonkeyPatch) -> None:
-    looked: list[int] = []
-
-    def poses(arm: Arm, q: np.ndarray) -> np.ndarray:
-        looked.append(len(q))
-        return link_poses(arm, q)
-
-    monkeypatch.setattr("playback.export.camera.link_poses", poses)
-    arm = Arm("long", (Joint(a_m=0.5),))
-    for n in (1, 399, 400, 600):
-        q = np.zeros((n, 1))
-        look_at((Mover("long", arm, q, q, q, REAL),), WIDTH, HEIGHT)
-    assert looked == [1, 399, 200, 200]

@@ -16,7 +16,6 @@ from playback.export.foxglove_schemas import (
     VECTOR,
     joint_motion,
     many,
-    thing,
 )
 
 #: As https://docs.foxglove.dev/docs/visualization/message-schemas has them.
@@ -79,7 +78,3 @@ def test_every_joint_has_a_number_of_its_own(n_joint: int) -> None:
     assert numbers == [f"{kind}{j}" for kind in ("q", "dq", "ddq") for j in range(1, n_joint + 1)]
     assert set(fields) - set(numbers) == {"timestamp", "tip"}
     assert fields["tip"]["title"] == "foxglove.Point3"
-
-
-def test_a_thing_is_an_object_of_its_properties() -> None:
-    assert thing("name", x=NUMBER) == {"title": "name", "type": "object", "properties": {"x": {"type": "number"}}}

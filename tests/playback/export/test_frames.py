@@ -7,10 +7,12 @@ import numpy as np
 import pytest
 from PIL import ImageDraw
 
+from arm.model import Arm, Joint
 from playback.export.frames import CURSOR, pictures
 from playback.export.plots import draw_plots
-from playback.export.sampled import Sampled
+from playback.export.sampled import Sampled, sample
 from playback.export.scene import PAPER, Scene
+from tests.playback.export.conftest import source_of
 
 WIDTH, HEIGHT = 500, 280
 LEFT = 280  # 56 % of the width
@@ -84,17 +86,6 @@ def test_every_curve_has_a_dot_of_its_colour(pair: Sampled) -> None:
         assert seen == pytest.approx(colour, abs=3)
 
 
-def test_letters_grow_with_the_picture(pair: Sampled, written: list[tuple[float, float, str]]) -> None:
-    few = replace(
-        pair, t=pair.t[:2], movers=tuple(replace(m, q=m.q[:2], dq=m.dq[:2], ddq=m.ddq[:2]) for m in pair.movers)
-    )
-    film(few, 300, 1008)
-    assert written[0][:2] == (24, 24)  # a 42nd of the height
-    written.clear()
-    film(few)
-    assert written[0][:2] == (SIZE, SIZE)
-
-
 def test_pictures_show_arm_and_curves(pair: Sampled) -> None:
     drawn = [picture.copy() for picture in pictures(pair, 640, 360)]
     assert len(drawn) == len(pair.t)
@@ -118,19 +109,18 @@ def test_all_of_the_arm_is_in_the_picture_all_the_time(motion: Sampled, width: i
         assert not drawn[[0, -1]].any() and not drawn[:, [0, -1]].any()
 
 
-def test_a_legend_names_both_arms_in_their_colours(pair: Sampled) -> None:
-    width, height = 640, 360
-    size, left = max(11, round(height / 42)), round(0.56 * width)
-    head = next(iter(pictures(pair, width, height)))[: 2 * size, left:]
-    for mover in pair.movers:
-        swatch = (head == np.array(mover.colours.link)).all(axis=2)
-        rows, columns = np.nonzero(swatch)
-        assert np.ptp(rows) + 1 == pytest.approx(0.8 * size, abs=1.5)
-        assert np.ptp(columns) + 1 == pytest.approx(0.8 * size, abs=1.5)
-        assert len(rows) == (np.ptp(rows) + 1) * (np.ptp(columns) + 1)
-
-
 def test_one_arm_needs_no_legend(pair: Sampled) -> None:
     alone = replace(pair, movers=pair.movers[:1])
     head = next(iter(pictures(alone, 640, 360)))[:22, 358:]
     assert np.all(head == np.array(PAPER))
+
+
+@pytest.mark.parametrize(("reach_m", "said"), [(3.9, "grid 500 mm"), (4.0, "grid 1 m"), (0.05, "grid 10 mm")])
+def test_the_grid_s_step_is_said_in_metres_from_one_on(
+    reach_m: float, said: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    words: list[str] = []
+    monkeypatch.setattr(ImageDraw.ImageDraw, "text", lambda _, xy, what, *rest, **more: words.append(what))
+    arm = Arm("long", (Joint(a_m=0.6 * reach_m), Joint(a_m=0.4 * reach_m)))
+    next(pictures(sample(source_of(arm), None, 20.0, 1.0), 320, 180))
+    assert words[2] == said

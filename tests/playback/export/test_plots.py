@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from arm.model import Arm, Joint
@@ -81,24 +80,9 @@ def drawn(monkeypatch: pytest.MonkeyPatch) -> list[Figure]:
     return figures
 
 
-@pytest.mark.parametrize(
-    ("height", "dpi", "below"), [(270, 50.0, 26.0), (540, 100.0, 52.0), (541, 100.0, 52.0), (1080, 100.0, 52.0)]
-)
-def test_letters_shrink_with_pictures_below_540_lines(
-    pair: Sampled, drawn: list[Figure], height: int, dpi: float, below: float
-) -> None:
-    plots = draw_plots(pair, WIDTH, height, HEAD)
-    assert drawn[0].dpi == pytest.approx(dpi)
-    assert plots.picture.shape == (height, WIDTH, 3)
-    (top, middle), (beneath, bottom) = plots.rows
-    assert (top, bottom) == pytest.approx((HEAD, height - below))
-    assert beneath - middle == pytest.approx(0.1 * (middle - top))
-
-
 def test_an_arm_s_curve_is_whole_and_its_twin_s_dashed_beneath(pair: Sampled, drawn: list[Figure]) -> None:
     draw_plots(pair, WIDTH, HEIGHT, HEAD)
     (figure,) = drawn
-    assert to_hex(figure.get_facecolor()) == "#fafafc"
     for j, ax in enumerate(figure.axes):
         twin, own = ax.lines  # in the order in which they are drawn
         for line, mover, style in ((own, pair.movers[0], "-"), (twin, pair.movers[1], "--")):
@@ -106,15 +90,8 @@ def test_an_arm_s_curve_is_whole_and_its_twin_s_dashed_beneath(pair: Sampled, dr
             assert (line.get_linewidth(), line.get_linestyle()) == (1.6, style)
             assert line.get_color() == pytest.approx(tuple(part / 255.0 for part in mover.colours.trace))
         assert ax.get_xlim() == pytest.approx((0.0, 0.5))
-        assert to_hex(ax.get_facecolor()) == "#ffffff"
-        assert (ax.get_ylabel(), ax.yaxis.label.get_size()) == (f"$q_{{{j + 1}}}$ [°]", 10.0)
-        assert to_hex(ax.yaxis.label.get_color()) == to_hex(ax.get_yticklabels()[0].get_color()) == "#30343b"
-        assert {to_hex(spine.get_edgecolor()) for spine in ax.spines.values()} == {"#d9dce3"}
-        grid = ax.get_xgridlines()[0]
-        assert (grid.get_visible(), grid.get_linewidth(), to_hex(grid.get_color())) == (True, 0.7, "#d9dce3")
-        assert (ax.get_yticklabels()[0].get_size(), ax.get_yticklines()[0].get_markersize()) == (8.0, 0.0)
+        assert ax.get_ylabel() == f"$q_{{{j + 1}}}$ [°]"
     assert [ax.get_xlabel() for ax in figure.axes] == ["", "time [s]"]
-    assert figure.axes[1].xaxis.label.get_size() == 10.0
 
 
 def test_what_slides_is_drawn_in_millimetres(drawn: list[Figure]) -> None:

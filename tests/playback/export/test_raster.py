@@ -8,9 +8,6 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from playback.export.raster import FAR, draw_mesh, draw_stroke, lay_over, resolve
-from playback.export.surface import with_normals
-from playback.shape import base_mesh, link_meshes
-from tests.playback.export.conftest import SLIDING
 
 RED, BLUE = np.array([200.0, 0.0, 0.0]), np.array([0.0, 0.0, 200.0])
 
@@ -71,14 +68,3 @@ def test_a_picture_is_the_mean_of_finer_pixels() -> None:
     picture = np.empty((10, 15, 3), np.uint8)
     resolve(fine, picture)
     assert np.abs(picture - fine.reshape(10, 2, 15, 2, 3).mean(axis=(1, 3))).max() <= 0.51
-
-
-def test_normals_are_smooth_on_what_is_round_and_sharp_at_edges() -> None:
-    for mesh in [base_mesh(SLIDING), *link_meshes(SLIDING)]:
-        split, normals = with_normals(mesh)
-        assert np.allclose(split.vertices[split.faces], mesh.vertices[mesh.faces])
-        corners = split.vertices[split.faces]
-        faces = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-        faces /= np.linalg.norm(faces, axis=1, keepdims=True)
-        assert np.linalg.norm(normals, axis=1) == pytest.approx(1.0)
-        assert np.min(np.sum(normals[split.faces] * faces[:, None], axis=2)) > np.cos(np.radians(45.0))

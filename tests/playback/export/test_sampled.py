@@ -65,20 +65,6 @@ def test_keys_of_a_fast_turn_lie_close_enough_to_turn_the_right_way(rate_hz: flo
         sample(Source("wild", arm, {1: 2.0}, lambda _: fast), None, rate_hz, 1.0, 0.5 * np.pi)
 
 
-@pytest.mark.parametrize(("rate_hz", "fits"), [(60.0, True), (61.9, True), (62.0, False)])
-def test_a_file_has_no_more_frames_than_are_allowed(
-    monkeypatch: pytest.MonkeyPatch, rate_hz: float, fits: bool
-) -> None:
-    monkeypatch.setattr("playback.export.sampled.MOST_FRAMES", 31)
-    if fits:
-        assert len(sample(SOURCE, 1, rate_hz, 1.0).t) == 31  # of half a second, with both of its ends
-        return
-    with pytest.raises(
-        ConfigError, match="0.5 s at 62 Hz and 1 times the speed are 32 frames, expected at most 31"
-    ):
-        sample(SOURCE, 1, rate_hz, 1.0)
-
-
 def turning(t: np.ndarray, *columns: np.ndarray) -> Source:
     """Return a motion through these nodes, on joints of which the last slides."""
     q = np.column_stack(columns)

@@ -5,7 +5,7 @@ from collections.abc import Iterator
 import pytest
 import zmq
 
-from playback.touch.channel import AT_ONCE, MESSAGE_LIMIT, UNREAD_LIMIT, HapticChannel, Heard
+from playback.touch.channel import AT_ONCE, HapticChannel, Heard
 from playback.touch.message import Command, Input, decode_reply, encode_input
 from tests.patience import PATIENCE_MS
 
@@ -135,7 +135,3 @@ def test_an_envelope_is_an_address_and_what_req_adds(context: Context, channel: 
     channel.answer(heard.envelope, {"seq": 2})
     assert socket.poll(PATIENCE_MS) and decode_reply(socket.recv())["seq"] == 2
     socket.close()
-
-
-def test_two_mebibytes_of_a_device_may_wait() -> None:
-    assert (AT_ONCE, MESSAGE_LIMIT, UNREAD_LIMIT) == (64, 8192, 2**21)

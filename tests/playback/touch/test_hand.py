@@ -82,15 +82,6 @@ def test_its_damping_lets_it_swing_past_nothing() -> None:
     assert x == pytest.approx(wanted, abs=1e-6)
 
 
-def test_it_is_a_light_hand_that_holds_most_of_the_time() -> None:
-    assert HandModel() == HandModel(0.4, 5.0, 150.0, 12.0, 0.06, 2.4, 0.6)
-
-
-@pytest.mark.parametrize(("t", "touches"), [(0.0, True), (2.39, True), (2.4, False), (2.99, False), (3.01, True)])
-def test_it_lets_go_when_its_time_is_over(t: float, touches: bool) -> None:
-    assert MODEL.wanted(t)[1] is touches
-
-
 @pytest.mark.parametrize("said", [b'{"failed": "the loop is gone"}', b""], ids=["says why", "says nothing"])
 def test_a_hand_that_has_failed_is_noticed_and_says_why(monkeypatch: pytest.MonkeyPatch, said: bytes) -> None:
     monkeypatch.setattr(hand, "get_context", lambda _: SimpleNamespace(Pipe=Pipe, Process=Ended))

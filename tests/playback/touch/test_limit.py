@@ -119,11 +119,6 @@ def test_without_a_wall_none_is_stiff() -> None:
     assert wall_limit(1.0, 1.0, 2.0) == 0.0
 
 
-def test_defaults_are_those_of_a_hand() -> None:
-    assert Coupling() == Coupling(400.0, 1.0, 5.0, 20.0, 2.0, 0.005, 0.02, 1.0, None, None)
-    assert Coupling(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0).max_force == 0.0  # nothing is no mistake
-
-
 @pytest.mark.parametrize("wall", [(math.inf, 0.0, 0.0, 0.0), (0.0, 0.0, 1.0, math.nan), (0.0, 0.0, 0.0, 0.0)])
 def test_a_wall_has_a_direction_and_a_place(wall: tuple[float, float, float, float]) -> None:
     with pytest.raises(ConfigError, match="expected a normal that is not zero, and an offset"):

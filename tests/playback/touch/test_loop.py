@@ -200,13 +200,6 @@ def test_a_hundred_frames_a_second_are_sent_and_a_heartbeat(
     assert len({tick for *_, tick in sent}) == len(sent)  # never two in one tick
 
 
-def test_a_late_tick_makes_up_for_twenty_at_most(driven: Driven) -> None:
-    driven.tick(late_s=19.5 * T)
-    assert driven.loop.health()["lost_steps"] == 0
-    driven.tick(late_s=20.5 * T)
-    assert driven.loop.health()["lost_steps"] == 1
-
-
 def test_where_nobody_says_which_link_it_is_the_tip_s(driven: Driven, own_context) -> None:
     with TouchDevice(own_context, driven.loop.haptic) as device:
         arm = driven.loop.arm

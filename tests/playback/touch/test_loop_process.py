@@ -67,13 +67,6 @@ def test_at_a_low_rate_it_looks_every_tick() -> None:
     assert [one["health"]["ticks"] for one in said] == [0, 1, 2]
 
 
-def test_a_second_s_garbage_is_collected_at_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    collected: list[tuple[int, ...]] = []
-    monkeypatch.setattr(gc, "collect", lambda *generation: collected.append(generation))
-    answers(replace(SETUP, rate_hz=60.0), *[b"health"] * 49, b"stop")
-    assert collected == [(), (0,)]  # before the first tick, and after fifty looks
-
-
 @pytest.mark.parametrize(
     ("change", "failed", "sentence", "traced"),
     [

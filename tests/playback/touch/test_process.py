@@ -197,18 +197,3 @@ def test_it_ends_when_its_parent_is_killed(tmp_path: Path) -> None:
         parent.send_signal(signal.SIGKILL)
         _, alive = psutil.wait_procs([child], timeout=PATIENCE_S)
         assert not alive
-
-
-@pytest.mark.parametrize(("rate_hz", "fits"), [(99.9, False), (100.0, True), (5000.0, True), (5000.1, False)])
-def test_a_rate_is_of_100_to_5000_hz(rate_hz: float, fits: bool) -> None:
-    if fits:
-        TouchProcess(load_arm("dd-arm"), None, rate_hz)
-    else:
-        with pytest.raises(ConfigError, match=f"rate_hz is {rate_hz:g}, expected 100 to 5000"):
-            TouchProcess(load_arm("dd-arm"), None, rate_hz)
-
-
-@pytest.mark.parametrize("q0", [[0.0], [0.0, 0.0, 0.0], [[0.0, 0.0]], [0.0, np.nan], [np.inf, 0.0]])
-def test_where_it_rests_is_a_number_a_joint(q0: list[float]) -> None:
-    with pytest.raises(DataError, match="expected 2 finite numbers"):
-        TouchProcess(load_arm("dd-arm"), np.array(q0))

@@ -173,18 +173,3 @@ def test_before_anything_is_known_widgets_stand_at_their_beginning(page: Page, c
     assert values(page) == {"Time (s)": 0.5, "Speed": 1.0, "Loop": False, "Trial": "1"}
     page.widgets["Play"].moved(None)
     assert page.wanted == [("play", None)]
-
-
-@pytest.mark.parametrize(("after_s", "value"), [(0.0, 5.0), (0.79, 5.0), (0.81, 3.0)])
-def test_a_widget_is_left_to_a_hand_for_0_8_seconds(
-    page: Page, controls: Controls, after_s: float, value: float
-) -> None:
-    page.widgets["Speed"].moved(5.0)
-    page.now_s += after_s
-    controls.show(STATE, 0.0)
-    assert page.widgets["Speed"].value == value
-
-
-def test_a_length_is_told_to_a_microsecond(page: Page, controls: Controls) -> None:
-    controls.show(STATE | {"duration_s": 2.00000149}, 0.0)
-    assert page.widgets["Time (s)"].max == 2.000001

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import zmq
 
-from playback.view.feed import HISTORY, Feed, Picture
+from playback.view.feed import Feed, Picture
 from protocol.message import FRAMES, PLAY
 from protocol.publisher import Publisher
 from tests.playback.view.conftest import eventually
@@ -97,12 +97,6 @@ def test_the_past_is_as_long_as_asked_for(room: Room) -> None:
     room.send(n=100, position_s=0.0)
     assert room.places(0.2) == pytest.approx(np.arange(79, 100) * 0.01)
     assert len(room.places(0.0)) == 1
-
-
-def test_no_more_than_so_many_rows_are_kept(room: Room) -> None:
-    room.send(n=HISTORY + 5, position_s=0.0)
-    assert len(room.places()) == HISTORY == 2000
-    assert room.places()[0] == pytest.approx(0.05)
 
 
 @pytest.mark.parametrize(

@@ -122,28 +122,3 @@ def test_optical_markers_ride_on_their_links(scene: Scene) -> None:
     assert np.array_equal(scene.parts["/leg/link3/marker knee"].position, markers[1].position_m)
     figure.seen(sensors=False)
     assert not scene.parts["/leg/link3/marker knee"].visible
-
-
-def test_joint_frames_are_a_fifth_of_the_reach_and_names_small(scene: Scene, figure: Figure, arm: Arm) -> None:
-    reach = reach_m(arm)
-    for k in range(arm.n_joint):
-        axes = scene.parts[f"/arm/link{k + 1}/axes"]
-        assert axes.axes_length == pytest.approx(0.2 * reach)
-        assert axes.axes_radius == pytest.approx(0.005 * reach)
-        assert axes.origin_radius == pytest.approx(0.01 * reach)
-        assert scene.parts[f"/arm/link{k + 1}"].show_axes is False
-        assert scene.parts[f"/arm/link{k + 1}/body"].flat_shading is True
-        assert scene.parts[f"/arm/link{k + 1}/body"].color == REAL.link
-    assert scene.parts["/arm"].show_axes is False
-    assert scene.parts["/arm/base"].color == REAL.base
-    for sensor in arm.sensors:
-        label = scene.parts[f"/arm/link{sensor.joint}/label {sensor.name}"]
-        assert (label.font_screen_scale, label.anchor) == (0.75, "bottom-center")
-        assert scene.parts[f"/arm/link{sensor.joint}/{sensor.name}"].color == REAL.sensor
-
-
-def test_a_marker_is_a_ball_of_fourteen_millimetres(scene: Scene) -> None:
-    arm = replace(load_arm("dd-arm"), markers=(Marker("hand", 2, (0.0, 0.05, 0.4)),))
-    Figure(scene, "/arm", arm, REAL, 0.5)  # type: ignore[arg-type]
-    ball = scene.parts["/arm/link2/marker hand"]
-    assert (ball.radius, ball.color, ball.opacity) == (0.007, REAL.sensor, 0.5)

@@ -47,7 +47,7 @@ def test_the_arm_is_seen_and_play_moves_it(
     eventually(lambda: bool(np.abs(page.picture(tmp_path / "moved.png") - still).mean() > 1e-3), "another picture")
 
 
-@pytest.mark.parametrize("place", [1.234, 0.0, 1.5, 0.777])
+@pytest.mark.parametrize("place", [1.234, 0.0])
 def test_a_seek_lands_within_one_frame(
     shown: Viewing, source: Source, window: Callable[[str], Window], place: float
 ) -> None:

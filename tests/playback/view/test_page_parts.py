@@ -119,15 +119,3 @@ def test_the_stage_is_as_large_as_what_both_tips_do() -> None:
     np.testing.assert_array_equal(_tips(remote), tip)
     remote.motion.twin_tip = other
     np.testing.assert_array_equal(_tips(remote), [*tip, *other])
-
-
-def test_the_page_is_plain(server: viser.ViserServer, monkeypatch: pytest.MonkeyPatch) -> None:
-    themes: list[dict[str, Any]] = []
-    monkeypatch.setattr(server.gui, "configure_theme", lambda **theme: themes.append(theme))
-    paged(server, Stream())
-    assert themes == [
-        {
-            **{"control_width": "large", "show_logo": False, "show_share_button": False},
-            "brand_color": (0x2F, 0x5D, 0x8C),  # of the first joint's line
-        }
-    ]

@@ -82,13 +82,3 @@ def test_it_fades_into_the_background(stage: Stage, trace: Trace) -> None:
 def test_it_moves_with_its_arm(stage: Stage, trace: Trace) -> None:
     trace.stand_at(np.array([1.0, 2.0, 3.0]))
     assert tuple(stage.line.position) == (1.0, 2.0, 3.0)
-
-
-def test_it_is_ninety_segments_of_three_pixels_over_the_last_1_2_seconds(stage: Stage, trace: Trace) -> None:
-    assert (stage.line.name, stage.line.thickness, stage.line.thickness_units) == ("/trace", 3.0, "screen")
-    assert stage.line.points.shape == stage.line.colors.shape == (90, 2, 3)
-    assert not stage.line.points.any()
-    trace.show([0.0, 10.0], [np.zeros(3), np.full(3, 10.0)])
-    assert stage.line.points[0, 0] == pytest.approx(8.8) and stage.line.points[-1, 1] == pytest.approx(10.0)
-    assert (stage.line.points.dtype, stage.line.colors.dtype) == (np.float32, np.uint8)
-    assert stage.line.colors[45, 0] == pytest.approx((np.array(BACKGROUND) + COLOUR) / 2.0, abs=1.0)

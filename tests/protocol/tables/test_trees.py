@@ -129,6 +129,11 @@ def test_a_file_of_matlab_7_3_is_told_by_its_signature(tmp_path, before, name):
         load_tree(path)
 
 
+def test_a_file_that_is_not_there_is_said(tmp_path):
+    with pytest.raises(DataError, match="there is no such file"):
+        load_tree(tmp_path / "none.mat")
+
+
 def test_a_variable_that_is_damaged_is_named(tmp_path):
     path = tmp_path / "run.mat"
     scipy.io.savemat(path, {"good": np.arange(3.0), "bad": np.arange(300.0)}, do_compression=True)
