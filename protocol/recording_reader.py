@@ -137,7 +137,11 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
             yield topic, fields, t_ns
 
     def _unpacked(self) -> Iterator[McapRecord]:
-        """Yield the records, those inside a chunk in its place."""
+        """Yield the records, those inside a chunk in its place.
+
+        Where messages stand in chunks, which have checksums, one beside them is some other record, damaged.
+        """
+        is_chunked = False
         with _open(self.path) as file:
             for place, record in _records(file):
                 if record is None:
@@ -146,7 +150,12 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                         f"{self.path}: the recording has no end yet, or was cut off; all that is there is read"
                     )
                 elif isinstance(record, Chunk):
+                    is_chunked = True
                     yield from self._opened(record, place)
+                elif isinstance(record, Message) and is_chunked:
+                    self.warnings.append(
+                        f"{self.path}: the record at byte {place} is damaged and passed over: a message in no chunk"
+                    )
                 elif isinstance(record, Attachment) and not _is_sound(file, place):
                     self.warnings.append(
                         f"{self.path}: the attachment at byte {place} is damaged and passed over: "

@@ -115,6 +115,27 @@ def test_the_first_chunk_damaged_does_not_hide_the_others(recording, scratch):
     assert warning.startswith(f"{scratch}: the chunk at byte {opcode} is damaged and passed over: ")
 
 
+@pytest.mark.parametrize("opcode", [Opcode.MESSAGE_INDEX, Opcode.CHANNEL])
+def test_a_record_that_became_a_message_is_passed_over(recording, scratch, opcode):
+    """Behind the chunks stand an index of each, and the channels: one bit makes a message of either."""
+    damaged = bytearray(recording)
+    place = _last_record(recording, opcode)
+    damaged[place] = Opcode.MESSAGE
+    found, reader = read(scratch, bytes(damaged))
+    assert found == list(range(N))
+    (warning,) = reader.warnings
+    assert f"the record at byte {place} is damaged and passed over" in warning
+
+
+def _last_record(recording, opcode):
+    """Return where the last record of a kind begins, of those that stand in no chunk."""
+    place, last = len(MAGIC), -1
+    while place < len(recording) - len(MAGIC):
+        last = place if recording[place] == opcode else last
+        place += 9 + int.from_bytes(recording[place + 1 : place + 9], "little")
+    return last
+
+
 def test_a_chunk_that_is_no_longer_known_as_one_is_missed(recording, scratch):
     damaged = bytearray(recording)
     second = recording.index(b"zstd", recording.index(b"zstd") + 4)
