@@ -154,7 +154,8 @@ class RecordingReader(Iterator[tuple[str, dict[str, Any], int]]):
                     yield from self._opened(record, place)
                 elif isinstance(record, Message) and is_chunked:
                     self.warnings.append(
-                        f"{self.path}: the record at byte {place} is damaged and passed over: a message in no chunk"
+                        f"{self.path}: the record at byte {place} is damaged and passed over: "
+                        "a message in no chunk"
                     )
                 elif isinstance(record, Attachment) and not _is_sound(file, place):
                     self.warnings.append(
