@@ -1,7 +1,7 @@
 """A limb's joint angles frame by frame: weighted least squares from the angles of the frame before.
 
 Where that ends far from the markers, as at the beginning of a trial or after a gap, it begins anew from several
-postures and takes the best. So does one frame in so many wherever it ends: angles that fell into another minimum,
+postures and takes the best. So does one frame in `_ANEW_EVERY` wherever it ends: angles in another minimum,
 a forearm turned half about, would be followed from frame to frame. What is better is then followed both ways.
 """
 

@@ -32,7 +32,7 @@ _CONVERGED_RAD = 2e-3
 #: … and those of frames by themselves by more, so that the others seldom move them again [rad].
 _SETTLED_RAD = 0.3 * _CONVERGED_RAD
 _SHORTENED = (1.0, 0.5, 0.2, 0.05)
-#: Frames that still move are solved by themselves where they, with those around them, are fewer than this share.
+#: Frames that still move are solved by themselves where they, with those around them, are a smaller part of all.
 _FEW = 0.5
 
 

@@ -36,7 +36,7 @@ _PASSES = 30
 #: An alternative model, accepted only if it explains the readings, is rejected after this many passes that do not
 #: converge and whose residual exceeds the sensors' noise; a convention.
 _IN_VAIN = 4
-#: An alternative model is rejected if the filter doubts more than this share of the instants: no robust estimate
+#: An alternative model is rejected if the filter doubts more than this part of the instants: no robust estimate
 #: can tell outliers from readings where outliers are the majority (breakdown point; P. J. Huber 1981).
 _BREAKDOWN_SHARE = 0.5
 #: By how long a motion may have begun before it is seen, however slowly it does: half a rest's window [s].

@@ -9,9 +9,9 @@ _CLOSE_ENOUGH = 0.02
 _TOO_LITTLE = 0.7
 #: The shortest step of a pass, as a share of what it found, a convention.
 _SHORTEST = 0.25
-#: Passes that swing about the answer also end after so many in a row whose likelihood differs by less than this
-#: [nats]: by so much a motion differs that one number is a standard deviation off. Turn and place of a sensor that
-#: no motion tells apart lie along a curve; what was held of them, along a straight line.
+#: Passes that swing about the answer also end after this number in a row, a convention, whose log-likelihoods
+#: differ by less [nats]: half a nat is what one number costs that is a standard deviation off. Turn and place
+#: of a sensor that no motion tells apart lie along a curve; what was held of them, along a straight line.
 _EQUAL_PASSES, _EQUAL_NATS = 4, 0.5
 
 

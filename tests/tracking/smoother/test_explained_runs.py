@@ -11,8 +11,8 @@ from tracking.smoother.explained_runs import exact_motions, explained, runs_smoo
 RUNS = ["first", "second", "third"]
 
 
-class Told:
-    """Stands for both smoothers: explains the runs that it is told to, and notes what it was asked."""
+class ScriptedSmoothers:
+    """Stands for both smoothers: explains the given runs, and notes what it was asked."""
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch, alike: set[str], late: set[str], broken: str = "") -> None:
         self.explains, self.broken = {False: alike, True: late}, broken
@@ -53,31 +53,31 @@ def exactly() -> list[SimpleNamespace]:
 
 
 def test_each_run_knows_the_one_before(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Told(monkeypatch, {*RUNS}, set())
+    smoothers = ScriptedSmoothers(monkeypatch, {*RUNS}, set())
     found = exactly()
     assert [one.name for one in found] == RUNS and explained(found, RUNS)
-    assert told.asked == [(False, "first", None), (False, "second", "first"), (False, "third", "second")]
+    assert smoothers.asked == [(False, "first", None), (False, "second", "first"), (False, "third", "second")]
     assert runs_smoothed("arm", RUNS, "q", True, "prior", None)[2].name == "third"
 
 
 def test_clocks_differ_only_where_alike_they_explain_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Told(monkeypatch, {"first"}, {*RUNS})
+    smoothers = ScriptedSmoothers(monkeypatch, {"first"}, {*RUNS})
     found = exactly()
     assert [one.clocks for one in found] == [True] * 3
-    assert told.asked[:3] == [(False, "first", None), (False, "second", "first"), (True, "first", None)]
+    assert smoothers.asked[:3] == [(False, "first", None), (False, "second", "first"), (True, "first", None)]
 
 
 def test_a_first_try_can_be_given_up_too(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Told(monkeypatch, set(), set())
-    told.explaining = True
+    smoothers = ScriptedSmoothers(monkeypatch, set(), set())
+    smoothers.explaining = True
     exact_motions("arm", RUNS, "q", True, "prior", None, explaining=True)
-    assert told.asked == [(False, "first", None), (True, "first", None)]
+    assert smoothers.asked == [(False, "first", None), (True, "first", None)]
 
 
 def test_what_no_motion_explains_at_all_ends_the_search(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Told(monkeypatch, {*RUNS}, {*RUNS}, broken="first")
-    assert exactly() == [] and told.asked == [(False, "first", None)]
-    Told(monkeypatch, {*RUNS}, {*RUNS}, broken="second")
+    smoothers = ScriptedSmoothers(monkeypatch, {*RUNS}, {*RUNS}, broken="first")
+    assert exactly() == [] and smoothers.asked == [(False, "first", None)]
+    ScriptedSmoothers(monkeypatch, {*RUNS}, {*RUNS}, broken="second")
     found = exactly()
     assert [(one.name, one.clocks) for one in found] == [("first", False)] and not explained(found, RUNS)
 
@@ -90,10 +90,10 @@ def test_all_runs_are_explained_if_the_last_is(last: bool, all_of_them: bool) ->
 
 
 def test_otherwise_every_run_is_smoothed_with_what_the_model_lacks(monkeypatch: pytest.MonkeyPatch) -> None:
-    told = Told(monkeypatch, {"first"}, {"first"})
+    smoothers = ScriptedSmoothers(monkeypatch, {"first"}, {"first"})
     found = runs_smoothed("arm", RUNS, "q", True, "prior", None)
     assert [one.name for one in found] == [f"{run}, robust" for run in RUNS]
-    assert told.asked[4:] == [
+    assert smoothers.asked[4:] == [
         ("robust", "first", "first", None),
         ("robust", "second", "second", "first, robust"),
         ("robust", "third", None, "second, robust"),
