@@ -105,10 +105,11 @@ def residuals(runs: list[Run], band_hz: float) -> list[ResidualTorque]:
     noise = np.full(2, TORQUE_NOISE), np.full(2, ANGLE_NOISE)
     near = 1 + 2 * round(REST_S / STEP_S)
     known = [_inner(maximum_filter1d(np.abs(run.dq), near, axis=0) > REST_RAD_S, ends) for run in runs]
-    return [
-        ResidualTorque(run.t, part, moving, run.torque, band_hz, *noise, *np.zeros((2, *part.shape)))
-        for run, part, moving in zip(runs, missed, known, strict=True)
-    ]
+    trials = []
+    for run, part, moving in zip(runs, missed, known, strict=True):
+        no_friction = *np.zeros((2, *part.shape)), np.zeros_like(moving)
+        trials.append(ResidualTorque(run.t, part, moving, run.torque, band_hz, *noise, *no_friction))
+    return trials
 
 
 def _inner(usable: NDArray[np.bool_], ends: int) -> NDArray[np.bool_]:

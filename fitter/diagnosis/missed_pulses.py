@@ -116,9 +116,10 @@ def residual_torques(regression: Regression, final: Candidate) -> list[ResidualT
         near = np.ones((2 * reach + 1, 1), dtype=np.bool_)
         guessed = regression.hypothetical(final.model, motion).guessed[:, None]
         rests = binary_opening(motion.stuck, near)
-        known = ~binary_dilation(rests | guessed, near, border_value=1)
+        known, seen = (~binary_dilation(one, near, border_value=1) for one in (rests | guessed, guessed))
         stuck = lowpass(motion.stuck.astype(np.float64), motion.dt_s, own.band_hz, "even")
+        turning = np.clip(stuck, 0.0, 1.0)
         friction = friction_at_rest(regression.equations, final.model, final.x, motion)
         noises = own.band_hz, own.torque_noise, angle_noise
-        trials.append(ResidualTorque(motion.t, r, known, torque, *noises, friction, np.clip(stuck, 0.0, 1.0)))
+        trials.append(ResidualTorque(motion.t, r, known, torque, *noises, friction, turning, seen & ~known))
     return trials

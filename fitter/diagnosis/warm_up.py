@@ -20,8 +20,8 @@ def warm_up() -> None:
     r[80:100, 0] += _PUSH_N_M
     noises = np.full(2, _NOISE_N_M), np.zeros(2)
     torque = np.stack([np.sin(t), np.cos(t)], axis=1)
-    known, still = np.ones(shape, dtype=np.bool_), np.zeros((2, *shape))
-    find_pulses([ResidualTorque(t, r, known, torque, _BAND_HZ, *noises, *still)])
+    known, friction, turning = np.ones(shape, dtype=np.bool_), *np.zeros((2, *shape))
+    find_pulses([ResidualTorque(t, r, known, torque, _BAND_HZ, *noises, friction, turning, ~known)])
     weightless(t).moved(slice(0, _ROWS), r[:, 0], 0.0, 0.0, _STEP_S)
     masses = np.broadcast_to(np.eye(2), (3, 2, 2)).copy()
     log_determinant(masses, np.ones(3))

@@ -55,8 +55,8 @@ class Rows:
         For which part of a row it turns back, 0 to 1.
     reversing : (n,)
         For which part of a row its torque changes its sign, 0 to 1.
-    held : (n,) [N m]
-        The residual where the joint rests, too: what holds it there.
+    at_rest : (n,) of bool
+        Whether nothing but the friction that holds the joint is unknown.
     """
 
     t: Floats
@@ -70,7 +70,7 @@ class Rows:
     friction: Floats
     turning: Floats
     reversing: Floats
-    held: Floats
+    at_rest: NDArray[np.bool_]
 
     @property
     def friction_error(self) -> Floats:

@@ -200,16 +200,13 @@ class Shapes:
         self.lasting = np.array([round(duration_s / step_s) for duration_s, _ in pairs])
         n = int(np.ceil((3.0 * LONGEST_PULSE_S + 2.0 / band_hz) / step_s))  # either side: no end cuts a pulse
         t = step_s * np.arange(-n, n + 1, dtype=np.float64)
-        rows = Rows(
-            t,
-            0.0 * t,
+        known, noises, friction, turning, reversing = (
             np.ones(len(t), dtype=np.bool_),
-            t[:, None],
-            n_sample,
-            band_hz,
-            0.0,
-            0.0,
-            *np.zeros((4, len(t))),
+            (0.0, 0.0),
+            *np.zeros((3, len(t))),
+        )
+        rows = Rows(
+            t, 0.0 * t, known, t[:, None], n_sample, band_hz, *noises, friction, turning, reversing, ~known
         )
         parts = [seen(rows, -0.5 * step_s, *pair, reach_s=1.0 / band_hz) for pair in pairs]
         self.before = np.array([n - first for first, _ in parts])

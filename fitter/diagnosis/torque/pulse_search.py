@@ -1,6 +1,7 @@
 """All places for a pulse in one trial at one joint, by their evidence against the background."""
 
 from collections.abc import Iterator
+from functools import cached_property
 
 import numpy as np
 import scipy
@@ -8,7 +9,7 @@ from numpy.typing import NDArray
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED
-from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import (
     FORMS,
@@ -20,19 +21,24 @@ from fitter.diagnosis.torque.pulse import (
     seen,
 )
 from fitter.diagnosis.torque.pulse_errors import place_errors
-from fitter.diagnosis.torque.rests import amid, outside
+from fitter.diagnosis.torque.rests import amid, filtered_with_rests, with_rests
 from limbcal.compiled import compiled
 
 
 class Search:
     """All places for a pulse in one trial at one joint."""
 
-    def __init__(self, trial: int, joint: int, rows: Rows, kalman: Filter, nu: float, size: float) -> None:
-        self.trial, self.joint, self.rows, self.kalman, self.nu, self.size = trial, joint, rows, kalman, nu, size
+    def __init__(self, trial: int, joint: int, rows: Rows, background: Background, size: float) -> None:
+        self.trial, self.joint, self.rows, self.background, self.size = trial, joint, rows, background, size
+        self.kalman, self.nu = background.filtered(rows), background.degrees_of_freedom
         self.shapes = Shapes.of(rows)
         self.fit = self.shapes.fit(rows)
         #: Evidence at all places that were left when no more was found, (n_shape, n) [nats].
         self.remaining_evidence = np.full(self.fit.shape, -np.inf)
+
+    @cached_property
+    def _with_rests(self) -> tuple[Rows, Filter]:
+        return with_rests(self.rows), filtered_with_rests(self.background, self.rows)
 
     def evidence(self, r: Floats, places: NDArray[np.bool_]) -> tuple[Floats, Floats]:
         """Return the log evidence for a pulse of each shape that begins with each row, and what is attainable.
@@ -119,20 +125,24 @@ class Search:
     def _refined(self, r: Floats, start_s: float, duration_s: float, form: str, evidence: float) -> Pulse:
         """Return a pulse at its likeliest start and duration, with standard errors from Fisher's information.
 
-        Rows have the weights that they have without the pulse.
+        Rows have the weights that they have without the pulse. What no friction holds acts in a rest, too, if at
+        all: its rows tell.
         """
-        kalman = self.kalman
+        rows, own = self.rows, self.kalman
+        kalman = own
         for _ in range(2):
             start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
-            start_s, duration_s = outside(self.rows, start_s, duration_s, size)
-            start_s, duration_s, before, after = amid(self.rows, start_s, duration_s, size)
-            column = in_rows(self.rows, start_s, duration_s, form)
+            if abs(size) > 2.0 * float(rows.friction.max()):
+                rows, own = self._with_rests
+            start_s, duration_s, before, after = amid(rows, start_s, duration_s)
+            column = in_rows(rows, start_s, duration_s, form)
+            remaining = r - _ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1] * column
+            kalman = own.weighted(remaining, self.nu)
             size = _ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1]
-            remaining = r - size * column
-            kalman = self.kalman.weighted(remaining, self.nu)
-        ratio = _log_ratio(kalman.innovations(remaining), self._innovations(r), self.nu)
+        remaining = r - size * column
+        ratio = _log_ratio(kalman.innovations(remaining), own.weighted(r, self.nu).innovations(r), self.nu)
         place = start_s, duration_s, form
-        covariance, places = place_errors(self.rows, kalman, self.nu, place, size, (before, after))
+        covariance, places = place_errors(rows, kalman, self.nu, place, size, (before, after))
         slope = np.array([0.0, size, duration_s])  # of the impulse
         impulse_std = float(np.sqrt(slope @ covariance @ slope))
         start_std, duration_std, torque_std = map(float, np.sqrt(np.diag(covariance)))

@@ -184,8 +184,7 @@ def _beside_others(joints: Sequence[Sequence[Rows]], pulses: Sequence[Pulse], pl
     own = [pulse for pulse in pulses if pulse.joint == one.joint]
     background = estimated(without(rows, own))
     alone = without(rows, [pulse for pulse in own if pulse is not one])[one.trial]
-    filtered = background.filtered(alone)
-    search = Search(one.trial, one.joint, alone, filtered, background.degrees_of_freedom, abs(one.torque_N_m))
+    search = Search(one.trial, one.joint, alone, background, abs(one.torque_N_m))
     return search.near((one.start_s, one.duration_s), one.evidence)
 
 
@@ -215,8 +214,8 @@ def _found_with(
 
     def sought(background: Background, known: int) -> tuple[list[Pulse], Floats, float]:
         """Return the pulses beside some that are known, the evidence of all other blocks, and the least of one."""
-        nu, least = background.degrees_of_freedom, _log_places(n_place, known + 1)
-        searches = [Search(k, joint, part, background.filtered(part), nu, size) for k, part in enumerate(rows)]
+        least = _log_places(n_place, known + 1)
+        searches = [Search(k, joint, part, background, size) for k, part in enumerate(rows)]
         pulses = [pulse for search in searches for pulse in search.found(least)]
         return pulses, np.concatenate([search.evidence_by_block() for search in searches]), least
 

@@ -40,6 +40,8 @@ class ResidualTorque:
         Of joints, if they rest.
     turning : (n, n_joint)
         How far a sample is one at which a joint turns back, behind the filter, 0 to 1.
+    at_rest : (n, n_joint) of bool
+        Whether all but the friction that holds a joint is known, where the equation does not hold.
     """
 
     t: Floats
@@ -51,6 +53,7 @@ class ResidualTorque:
     angle_noise: Floats
     friction: Floats
     turning: Floats
+    at_rest: NDArray[np.bool_]
 
     def rows(self, joint: int) -> Rows:
         """Return one joint's residual at two rows a period of the band's corner: means of the samples between.
@@ -73,12 +76,14 @@ class ResidualTorque:
             r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
             return self.torque[:, joint], self.torque[:, joint] + _outlying(r, self.known[:, joint])
 
-        r = np.where(self.known[:, joint], self.r[:, joint], 0.0)
         own = both(joint)
         signals = np.stack([_common(*own), _common(*(np.gradient(one, step_s) for one in own))], axis=1)
         beside = [_common(*both(one)) for one in neighbours(joint, self.r.shape[1])]
         reversing = np.max([_reversing(torque, m) for torque in (signals[:, 0], *beside)], axis=0)
-        known = np.asarray(self.known[: n * m, joint].reshape(n, m).all(axis=1))
+        known, seen = (
+            np.asarray(one[: n * m, joint].reshape(n, m).all(axis=1))
+            for one in (self.known, self.known | self.at_rest)
+        )
         # Of m angles in a row one with the mean's noise: eq. (m.1) with its longer step.
         angle_noise = float(self.angle_noise[joint]) / np.sqrt(m)
         noises = (
@@ -86,9 +91,9 @@ class ResidualTorque:
             angle_noise,
             *(means(one[:, joint]) for one in (self.friction, self.turning)),
             means(reversing),
-            means(self.r[:, joint]),
+            seen & ~known,
         )
-        return Rows(means(self.t), means(r), known, means(signals), m, self.band_hz, *noises)
+        return Rows(means(self.t), means(self.r[:, joint]), known, means(signals), m, self.band_hz, *noises)
 
 
 def _outlying(r: Floats, known: NDArray[np.bool_]) -> Floats:

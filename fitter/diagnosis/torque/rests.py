@@ -1,46 +1,40 @@
-"""What a joint's rest says of a push: what static friction cannot hold does not act while the joint rests."""
+"""What is known of a push while a joint rests: all but the friction that holds the joint."""
+
+from dataclasses import replace
 
 import numpy as np
-from numpy.typing import NDArray
 
-from fitter.diagnosis.least_squares import SIGMAS
-from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows
+from fitter.diagnosis.torque.kalman import Filter
 
 
-def excludes(rows: Rows, torque_N_m: float) -> NDArray[np.bool_]:
-    """Say which rows, (n,), exclude a push of some torque: the joint rests for most of it, held by its friction.
+def with_rests(rows: Rows) -> Rows:
+    """Return rows of which those at rest are known, too."""
+    return replace(rows, known=rows.known | rows.at_rest)
 
-    Where more is missed than that holds, but for noise, the joint may already move, unseen. With a push what holds
-    a joint may differ by twice its friction, from either limit to the other.
+
+def filtered_with_rests(background: Background, rows: Rows) -> Filter:
+    """Return the filter of rows of which those at rest are known, too, but for what holds the joint.
+
+    Friction at rest is uniform between its limits. It changes slowly, with the arm's load, and at once where the
+    joint is about to move or is pushed: a further signal of eq. (m.1), and white noise, each with that variance.
     """
-    # The angle's noise is differentiated twice: eq. (m.1).
-    noise = np.hypot(rows.torque_noise, np.sqrt(6.0) * rows.angle_noise / rows.step_s**2)
-    is_held = np.abs(rows.held) <= rows.friction + SIGMAS * noise
-    rests = rows.turning > 0.5
-    return np.asarray(rests & is_held & (2.0 * rows.friction < abs(torque_N_m)), dtype=np.bool_)
+    held = np.where(rows.at_rest, rows.friction, 0.0)
+    wider = replace(
+        background,
+        in_proportion=np.append(background.in_proportion, 1.0 / np.sqrt(3.0)),
+        proportion_s=np.append(background.proportion_s, LONGEST_PULSE_S),
+    )
+    return wider.filtered(replace(with_rests(rows), signals=np.column_stack([rows.signals, held])))
 
 
-def outside(rows: Rows, start_s: float, duration_s: float, torque_N_m: float) -> tuple[float, float]:
-    """Return start and duration [s] of a push without the parts of it at its ends in which the joint rests.
-
-    Unchanged if it would be over.
-    """
-    ends_s, half_s = start_s + duration_s, 0.5 * rows.step_s
-    acts = ~excludes(rows, torque_N_m) & (rows.t > start_s - half_s) & (rows.t < ends_s + half_s)
-    if not acts.any():
-        return start_s, duration_s
-    first, last = float(rows.t[acts][0]) - half_s, float(rows.t[acts][-1]) + half_s
-    begin_s, end_s = max(start_s, first), min(ends_s, last)
-    return (begin_s, end_s - begin_s) if end_s > begin_s else (start_s, duration_s)
-
-
-def unseen(rows: Rows, at_s: float, way: int, torque_N_m: float) -> tuple[float, float]:
+def unseen(rows: Rows, at_s: float, way: int) -> tuple[float, float]:
     """Return from when to when [s] nothing tells whether a push acts, about its start (-1) or its end (1).
 
     Both are that instant if its row tells and the one beside it.
     """
     k = int(np.clip(np.searchsorted(rows.t, at_s + 0.5 * rows.step_s) - 1, 0, len(rows.t) - 1))
-    tells = np.concatenate([[True], rows.known | excludes(rows, torque_N_m), [True]])
+    tells = np.concatenate([[True], rows.known, [True]])
     near = k + 1 if not tells[k + 1] else k + 1 + way
     if tells[near]:
         return at_s, at_s
@@ -49,13 +43,13 @@ def unseen(rows: Rows, at_s: float, way: int, torque_N_m: float) -> tuple[float,
     return float(rows.t[last]) - half_s, float(rows.t[next_ - 2]) + half_s
 
 
-def amid(rows: Rows, start_s: float, duration_s: float, torque_N_m: float) -> tuple[float, float, float, float]:
+def amid(rows: Rows, start_s: float, duration_s: float) -> tuple[float, float, float, float]:
     """Return start and duration [s] of a push whose ends are amid what is unseen of each, and how long that lasts.
 
     Unchanged if it would be over.
     """
     ends_s = start_s + duration_s
-    first, last = unseen(rows, start_s, -1, torque_N_m), unseen(rows, ends_s, 1, torque_N_m)
+    first, last = unseen(rows, start_s, -1), unseen(rows, ends_s, 1)
     # What lasts longer is no pulse.
     first = min(max(first[0], ends_s - LONGEST_PULSE_S), first[1]), first[1]
     last = last[0], max(min(last[1], start_s + LONGEST_PULSE_S), last[0])

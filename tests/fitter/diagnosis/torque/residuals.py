@@ -33,14 +33,14 @@ def trial(rng: np.random.Generator, pulses: Sequence[tuple[float, float, float, 
     torque = np.sin(2.0 * np.pi * 0.7 * t)[:, None]
     known = np.ones((len(t), 1), dtype=bool)
     noise = np.array([0.005]), np.array([0.0])
-    return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise, *np.zeros((2, len(t), 1)))
+    return ResidualTorque(t, r[:, None], known, torque, BAND_HZ, *noise, *np.zeros((2, len(t), 1)), ~known)
 
 
 def finer(part: ResidualTorque, parts: int = 8) -> ResidualTorque:
     """Return a residual with some samples a row, each as the row."""
     step_s = STEP_S / parts
     t = (np.arange(parts * len(part.t)) - 0.5 * (parts - 1)) * step_s
-    rows = ("r", "known", "torque", "friction", "turning")
+    rows = ("r", "known", "torque", "friction", "turning", "at_rest")
     return replace(part, t=t, **{name: np.repeat(getattr(part, name), parts, axis=0) for name in rows})
 
 

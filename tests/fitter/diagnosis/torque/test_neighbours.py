@@ -26,6 +26,7 @@ def of_joints(*residuals: np.ndarray) -> ResidualTorque:
         np.full(n_joint, 0.005),
         np.zeros(n_joint),
         *np.zeros((2, *r.shape)),
+        np.zeros(r.shape, dtype=bool),
     )
 
 

@@ -18,7 +18,7 @@ LEAST_NATS = 8.0
 
 def search(pulses):
     rows = trial(np.random.default_rng(4), pulses).rows(0)
-    return Search(3, 1, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    return Search(3, 1, rows, MODEL, 0.5)
 
 
 @pytest.mark.parametrize("nu", [3.0, 8.0, 100.0])
@@ -50,9 +50,9 @@ def test_evidence_below_the_least_is_no_pulse():
 
 def test_evidence_does_not_depend_on_where_between_the_places_a_pulse_lies():
     rows = trial(np.random.default_rng(4), [(2.0, 0.2, 3.0, "rectangular")]).rows(0)
-    begun = [(Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5), 0.0)]
+    begun = [(Search(0, 0, rows, MODEL, 0.5), 0.0)]
     between = trial(np.random.default_rng(4), [(2.0 + 0.5 * rows.step_s, 0.24, 3.0, "rectangular")]).rows(0)
-    begun.append((Search(0, 0, between, MODEL.filtered(between), MODEL.degrees_of_freedom, 0.5), 0.0))
+    begun.append((Search(0, 0, between, MODEL, 0.5), 0.0))
     one, other = (next(search.found(LEAST_NATS)) for search, _ in begun)
     occam = [pulse.log_likelihood_ratio - pulse.evidence for pulse in (one, other)]
     assert occam[0] == pytest.approx(occam[1], abs=2.0)
@@ -65,14 +65,14 @@ def test_what_goes_on_into_a_rest_may_be_friction(friction, found):
     rows = trial(np.random.default_rng(4), [(2.0, 0.4, 0.4, "rectangular")]).rows(0)
     rows.friction[:] = friction
     rows.known[rows.t > 2.3] = False
-    search = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    search = Search(0, 0, rows, MODEL, 0.5)
     assert len(list(search.found(LEAST_NATS))) == found
 
 
 def test_a_pulse_that_is_seen_whole_is_no_friction():
     rows = trial(np.random.default_rng(4), [(2.0, 0.4, 0.4, "rectangular")]).rows(0)
     rows.friction[:] = 0.25
-    search = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    search = Search(0, 0, rows, MODEL, 0.5)
     assert len(list(search.found(LEAST_NATS))) == 1
 
 
@@ -98,7 +98,7 @@ def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration
     part = trial(np.random.default_rng(4))
     pushed = part.r + filtered_pulse(start_s, duration_s, 4.0, "rectangular")[:, None]
     rows = finer(replace(part, r=pushed)).rows(0)
-    first = next(Search(0, 0, rows, noise.filtered(rows), noise.degrees_of_freedom, 0.2).found(LEAST_NATS))
+    first = next(Search(0, 0, rows, noise, 0.2).found(LEAST_NATS))
     assert first.start_s == pytest.approx(start_s, abs=0.02)
     assert first.impulse == pytest.approx(4.0 * duration_s, rel=0.05)
 
@@ -107,7 +107,7 @@ def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration
 def test_the_size_of_a_pulse_whose_start_is_unseen_is_that_of_where_it_is_put(form):
     rows = trial(np.random.default_rng(4), [(2.0, 0.4, 1.6, form)]).rows(0)
     rows.known[(rows.t > 1.0) & (rows.t < 2.2)] = False
-    one = Search(0, 0, rows, MODEL.filtered(rows), MODEL.degrees_of_freedom, 0.5)
+    one = Search(0, 0, rows, MODEL, 0.5)
     first = next(one.found(LEAST_NATS))
     column = in_rows(rows, first.start_s, first.duration_s, first.form)
     e, s = (one.kalman.innovations(part) for part in (rows.r, column))

@@ -1,55 +1,66 @@
-"""A rest limits where a push that friction cannot hold begins and ends."""
+"""Rests tell where a push that friction cannot hold begins and ends."""
+
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.background import Rows
-from fitter.diagnosis.torque.rests import amid, outside, unseen
+from fitter.diagnosis.torque.background import Background, Rows
+from fitter.diagnosis.torque.pulse import in_rows
+from fitter.diagnosis.torque.pulse_search import Search
+from fitter.diagnosis.torque.rests import amid, filtered_with_rests, unseen, with_rests
 from tests.fitter.diagnosis.torque.residuals import trial
 
 FRICTION_N_M = 0.1
+MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0, 1e-9)
 
 
-def resting() -> Rows:
+def resting(held: float = 0.5 * FRICTION_N_M) -> Rows:
     """Return rows of a joint that rests from 3.6 s to 4.04 s; of a row more at either side nothing is known."""
     rows = trial(np.random.default_rng(7)).rows(0)
     rows.known[89:103] = False
+    rows.at_rest[89:103] = True
     rows.turning[90:102] = 1.0
-    rows.held[90:102] = 0.5 * FRICTION_N_M
+    rows.r[90:102] += held
     rows.friction[:] = FRICTION_N_M
     return rows
 
 
-@pytest.mark.parametrize(
-    ("torque", "begins", "ends"),
-    [(0.5 * FRICTION_N_M, (3.54, 4.1), (3.54, 4.1)), (3.0 * FRICTION_N_M, (4.06, 4.1), (3.54, 3.58))],
-)
-def test_what_friction_holds_may_begin_anywhere_in_a_rest_and_no_more_only_beside_it(torque, begins, ends):
-    rows = resting()
-    assert unseen(rows, 4.09, -1, torque) == pytest.approx(begins)
-    assert unseen(rows, 4.11, -1, torque) == pytest.approx(begins)  # the row next to it
-    assert unseen(rows, 3.57, 1, torque) == pytest.approx(ends)
-    assert unseen(rows, 4.4, -1, torque) == unseen(rows, 4.4, 1, torque) == (4.4, 4.4)
+@pytest.mark.parametrize("known", [resting(), replace(resting(), at_rest=np.zeros(250, dtype=bool))])
+def test_an_end_is_unseen_where_no_row_tells(known):
+    assert unseen(known, 4.09, -1) == pytest.approx((3.54, 4.1))
+    assert unseen(known, 4.11, -1) == pytest.approx((3.54, 4.1))  # the row next to it
+    assert unseen(known, 3.57, 1) == pytest.approx((3.54, 4.1))
+    assert unseen(known, 4.4, -1) == unseen(known, 4.4, 1) == (4.4, 4.4)
+
+
+def test_rows_at_rest_tell_of_what_friction_cannot_hold():
+    assert unseen(with_rests(resting()), 4.09, -1) == (4.09, 4.09)
 
 
 def test_ends_are_amid_what_is_unseen_of_them():
     rows = resting()
-    assert amid(rows, 3.2, 0.36, 1.0) == pytest.approx((3.2, 0.36, 0.0, 0.04))
-    assert amid(rows, 4.07, 0.63, 1.0) == pytest.approx((4.08, 0.62, 0.04, 0.0))
-    assert amid(rows, 3.6, 0.9, FRICTION_N_M) == pytest.approx((3.82, 0.68, 0.56, 0.0))
+    assert amid(rows, 3.2, 0.36) == pytest.approx((3.2, 0.62, 0.0, 0.56))
+    assert amid(rows, 3.6, 0.9) == pytest.approx((3.82, 0.68, 0.56, 0.0))
+    assert amid(with_rests(rows), 3.6, 0.9) == pytest.approx((3.6, 0.9, 0.0, 0.0))
 
 
-@pytest.mark.parametrize(
-    ("push", "expected"),
-    [((3.8, 1.0), (4.06, 0.74)), ((3.2, 0.6), (3.2, 0.38)), ((3.2, 1.5), (3.2, 1.5)), ((3.7, 0.2), (3.7, 0.2))],
-)
-def test_a_push_that_no_friction_holds_acts_outside_of_the_rest(push, expected):
-    assert outside(resting(), *push, 3.0 * FRICTION_N_M) == pytest.approx(expected)
-    assert outside(resting(), *push, FRICTION_N_M) == pytest.approx(push)
+@pytest.mark.parametrize("held", [-FRICTION_N_M, 0.0, FRICTION_N_M])
+def test_what_holds_a_joint_within_its_friction_is_no_news(held):
+    rows = resting(held)
+    e = filtered_with_rests(MODEL, rows).innovations(rows.r)[89:103]
+    assert np.abs(e).max() < 4.0
 
 
-def test_where_more_is_missed_than_friction_holds_a_joint_may_already_move():
-    rows = resting()
-    rows.held[98:102] = 2.0 * FRICTION_N_M  # the last .16 s of the rest
-    assert outside(rows, 3.8, 1.0, 3.0 * FRICTION_N_M) == pytest.approx((3.9, 0.9))
-    assert unseen(rows, 4.09, -1, 3.0 * FRICTION_N_M) == pytest.approx((3.9, 4.1))
+@pytest.mark.parametrize("held", [-FRICTION_N_M, 0.0, FRICTION_N_M])
+@pytest.mark.parametrize(("start_s", "lasting_s"), [(3.88, 0.4), (3.3, 0.5)])
+def test_a_push_begins_and_ends_in_a_rest_where_the_rest_says_so(held, start_s, lasting_s):
+    torque = 10.0 * FRICTION_N_M
+    rows = resting(held)
+    rows = replace(rows, r=rows.r + torque * in_rows(rows, start_s, lasting_s, "rectangular"))
+    search = Search(0, 0, rows, MODEL, torque)
+    found = search.near((start_s + 0.1 * lasting_s, 0.8 * lasting_s), 0.0)
+    assert found.start_s == pytest.approx(start_s, abs=4.0 * found.start_std)
+    assert found.duration_s == pytest.approx(lasting_s, abs=4.0 * found.duration_std)
+    assert found.torque_N_m == pytest.approx(torque, abs=4.0 * found.torque_std)
+    assert max(found.start_std, found.duration_std) < 0.02  # half a row
