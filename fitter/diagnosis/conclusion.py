@@ -15,6 +15,7 @@ from fitter.diagnosis.finding import Conclusion, Finding, NamedCause, Polished, 
 from fitter.diagnosis.held_out import judged, likeness, torque_residual
 from fitter.diagnosis.held_out_error import NO_INTERVAL, Errors, gain
 from fitter.diagnosis.model import Candidate, Hypothesis
+from fitter.diagnosis.model_averaging import averaged
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.next_experiment import next_experiment
 from fitter.diagnosis.payload import Payload
@@ -74,9 +75,13 @@ def finding_of(
     plain = numbers if search.final is search.base else estimates(regression, search.base)
     base_arm = extended_arm(regression, search.base, plain)
     found = plain if final is search.base else numbers
+    rivals = {}
+    if final is not search.base:
+        rivals = {id(one): estimates(regression, one) for cause in search.causes for one in cause.rivals}
+        found = averaged(search, found, rivals)
     extended = base_arm if final is search.base else extended_arm(regression, final, found)
     judging = [motion for motion in motions if not motion.learn]
-    causes = [] if final is search.base else _causes(regression, search, found)
+    causes = [] if final is search.base else _causes(regression, search, found, rivals)
     suspected: list[tuple[str, tuple[int, ...]]] = []
     if verdict == "unexplained":
         suspected = [(one.kind.name, tuple(j + 1 for j in one.joints)) for one in search.final.model.hypotheses]
@@ -137,7 +142,9 @@ def _explained(regression: Regression, fitted: Candidate, motions: Sequence[Moti
     return [float(x) for x in 1.0 - residual_power / np.where(power > 0.0, power, np.nan)]
 
 
-def _causes(regression: Regression, search: Search, found: Estimates) -> list[NamedCause]:
+def _causes(
+    regression: Regression, search: Search, found: Estimates, rivals: Mapping[int, Estimates]
+) -> list[NamedCause]:
     """Return the accepted causes, each with those that explain as much in its stead right behind it."""
     motions = regression.motions
     learnt = [motion.learn for motion in motions]
@@ -151,7 +158,7 @@ def _causes(regression: Regression, search: Search, found: Estimates) -> list[Na
         named = _named(motions, hypothesis, found.effects[cause.place], cause.support[0], taken)
         listed += pushes_of(motions, named) if isinstance(hypothesis, DisturbancePulses) else [named]
         for rival, share in zip(cause.rivals, cause.support[1:], strict=True):
-            own = estimates(regression, rival).effects[-1]
+            own = rivals[id(rival)].effects[-1]
             listed.append(replace(_named(motions, rival.hypothesis, own, share, {}), in_stead=True))
     return listed
 

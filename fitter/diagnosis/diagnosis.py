@@ -17,6 +17,7 @@ from fitter.data.trial_filter import FIT_CORNER
 from fitter.diagnosis.accepted_pulses import with_likeliest_pulses, with_pulses
 from fitter.diagnosis.conclusion import concluded, finding_of
 from fitter.diagnosis.cutoff import chatter, corner_hz
+from fitter.diagnosis.equal_causes import with_equals
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.finding import Finding
 from fitter.diagnosis.given_effects import acting_arm, as_in_file, given_model
@@ -164,12 +165,13 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
     if not likelihood.is_exact(found.final, everywhere=True):
         found = with_pulses(likelihood, search, found)
     regression, model = likelihood.regression, found.final.candidate.model
+    found = with_equals(likelihood, found)
     base = fitted(regression, Model())
     final = with_likeliest_pulses(regression, fitted(regression, model)) if model.hypotheses else base
     return likelihood, Search(
         base,
         final,
-        [cause_of(place, found.steps) for place in range(len(found.steps))],
+        [cause_of(place, found) for place in range(len(found.steps))],
         found.base.candidate,
         [one.candidate for one in found.first],
         supports(found.first),

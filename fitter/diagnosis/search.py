@@ -9,7 +9,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.diagnosis.evidence import Fit, Floor, penalised_log_likelihood
 from fitter.diagnosis.model import Candidate
-from fitter.diagnosis.stepwise import Step
+from fitter.diagnosis.stepwise import Found
 from fitter.search.fitted_parameter import FittedParameter
 
 Verdict = Literal["named", "ambiguous", "none", "unexplained"]
@@ -26,9 +26,9 @@ class Cause:
     before, itself : Candidate
         Without and with it.
     rivals : sequence of Candidate
-        As likely, with as many numbers.
+        As likely beside all other causes, with as many numbers.
     larger : sequence of Candidate
-        As likely, with more numbers.
+        As likely there, with more numbers.
     beaten : sequence of Candidate
         All others, the likeliest first.
     support : sequence of float
@@ -87,25 +87,24 @@ class Search:
     in_vain: Sequence[Candidate] = ()
 
 
-def cause_of(place: int, steps: Sequence[Step]) -> Cause:
+def cause_of(place: int, found: Found) -> Cause:
     """Return one of the accepted steps as a cause, at its place in the final model.
 
     An equal that was accepted as a further cause is none.
     """
-    step, named = steps[place], {one.hypothesis.key for one in steps}
+    step, named = found.steps[place], {one.hypothesis.key for one in found.steps}
     equals = [one for one in step.equals if one.candidate.hypothesis.key not in named]
-    rivals = [one for one in equals if one.n_number == step.fit.n_number]
-    larger = [one for one in equals if one.n_number != step.fit.n_number]
-    alike = [step.fit, *rivals]
-    known = {id(one) for one in (*alike, *larger)}
+    rivals = [one for one in equals if one.n_number == found.final.n_number]
+    larger = [one for one in equals if one.n_number != found.final.n_number]
+    alike = {step.hypothesis.key, *(one.candidate.hypothesis.key for one in equals)}
     return Cause(
         place,
         step.before.candidate,
         step.fit.candidate,
         [one.candidate for one in rivals],
         [one.candidate for one in larger],
-        [one.candidate for one in step.options if id(one) not in known],
-        supports(alike),
+        [one.candidate for one in step.options if one.candidate.hypothesis.key not in alike],
+        supports([found.final, *rivals]),
     )
 
 

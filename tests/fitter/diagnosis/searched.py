@@ -44,7 +44,7 @@ def searched(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Regre
     return weighted, Search(
         fitted(weighted, Model()),
         fitted(weighted, found.final.candidate.model),
-        [cause_of(place, found.steps) for place in range(len(found.steps))],
+        [cause_of(place, found) for place in range(len(found.steps))],
         found.base.candidate,
         [one.candidate for one in found.first],
         supports(found.first),

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from fitter.diagnosis.search import cause_of, supports
-from fitter.diagnosis.stepwise import Step
+from fitter.diagnosis.stepwise import Found, Step
 from tests.fitter.diagnosis.blocks import BLOCKS, ROWS, fit_of
 from tests.fitter.diagnosis.linear import Columns, LinearLikelihood
 
@@ -38,7 +38,7 @@ def cause():
     likelihood = LinearLikelihood(A, 2.0 * A[:, 0] + rng.normal(size=800), tried)
     fits = [likelihood.fit_of(one) for one in tried]
     step = Step(tried[0], fits[0], likelihood.base(), 50.0, (fits[1], fits[2]), tuple(fits))
-    return cause_of(0, [step]), tried
+    return cause_of(0, Found(likelihood.base(), fits[0], (step,), ())), tried
 
 
 def test_all_that_was_tried_is_told_apart(cause):
