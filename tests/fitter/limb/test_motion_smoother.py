@@ -57,7 +57,7 @@ def test_nothing_is_left_to_gain_at_the_answer(known):
     A, a = information(chain, frames, std, prior, found.q)
     step = np.linalg.solve(A + H, a.ravel() - H @ found.q.ravel())
     assert np.abs(step).max() < 2e-3
-    room, spare = slopes_room(q.shape[1], 0), (np.empty(A[0].shape), np.empty(a[0].shape))
+    room, spare = slopes_room(q.shape[1], 0), (np.empty((q.shape[1], q.shape[1])), np.empty(q.shape[1]))
 
     def cost(x):
         own = sum(frame_equations(chain, frames, k, std**2, prior, x[k], room, *spare) for k in range(len(x)))
