@@ -4,7 +4,9 @@
 
 DATA is the folder with the recordings. A static recording and four probings of a right arm, then wheelchair
 propulsion. It says how far each point is from where the recordings' own makers had it; how much of that no cluster
-can help, since bones keep their length and joints hold together; and how far limbs have it from its cluster.
+can help, since bones keep their length and joints hold together; how far skin takes the cluster of the upper arm
+from the bone, by the marker that is on the lateral epicondyle, from one recording to the next; and how far limbs
+have each point from its cluster, and the medial epicondyle from the lateral one's marker.
 """
 
 import argparse
@@ -27,6 +29,7 @@ from protocol.markers.marker_files import read_markers
 from protocol.markers.recording import MarkerRecording
 
 _POINTS = ("acromion", "medial_epicondyle", "radial_styloid", "ulnar_styloid")
+_LATERAL = "LateralEpicondyleR"
 _ARM, _FOREARM = ("ArmR1", "ArmR2", "ArmR3"), ("ForearmR1", "ForearmR2", "ForearmR3")
 
 
@@ -52,6 +55,17 @@ def elbow_gap_mm(recordings: Sequence[MarkerRecording]) -> list[float]:
     return found
 
 
+def slid_mm(recordings: Sequence[MarkerRecording], since: int) -> list[float]:
+    """Return how far the lateral epicondyle is, in the upper arm's cluster, from where it was in one recording."""
+    poses = segment_motion("upper_arm_right", _ARM, [one.of(_ARM) for one in recordings]).trials
+    there = [
+        np.einsum("nji,nj->ni", pose.R, one.of([_LATERAL])[:, 0] - pose.p)
+        for pose, one in zip(poses, recordings, strict=True)
+    ]
+    begin = np.nanmedian(there[since], axis=0)
+    return [1e3 * float(np.nanmedian(np.linalg.norm(x - begin, axis=1))) for x in there]
+
+
 def main(argv: Sequence[str] | None = None) -> int:
     """Say it of every point."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
@@ -67,12 +81,19 @@ def main(argv: Sequence[str] | None = None) -> int:
     for name in names.values():
         off = moving.of([name])[:, 0] - stored.of([name])[:, 0]
         _say(f"{name} by its cluster, from where the makers have it: {_median_mm(off)}")
-    ends = ["LateralEpicondyleR", names["medial_epicondyle"]]
+    ends = [_LATERAL, names["medial_epicondyle"]]
     wide = [
         1e3 * np.linalg.norm(np.diff(r.of(ends), axis=1)[:, 0], axis=1) for r in (probed.recordings[2], moving)
     ]
     low, high = np.nanmin(wide[1]), np.nanmax(wide[1])
     _say(f"between the epicondyles: {np.nanmedian(wide[0]):.0f} mm probed, {low:.0f} to {high:.0f} in propulsion")
+    slid = slid_mm(bare, 1 + _POINTS.index("medial_epicondyle"))
+    said = ", ".join(
+        f"{name} {far:.0f}" for name, far in zip(("static", *_POINTS, "propulsion"), slid, strict=True)
+    )
+    _say(
+        f"lateral epicondyle in the upper arm's cluster, from where it was as the medial one was probed: {said} mm"
+    )
     *still, moved = elbow_gap_mm(bare)
     _say(f"elbow by either cluster, apart: {max(still):.1f} mm where it is learnt, {moved:.1f} in propulsion")
     for what, learn in (
@@ -88,6 +109,10 @@ def main(argv: Sequence[str] | None = None) -> int:
                 there = R[:, i] @ np.array(marker.position_m) + o[:, i]
                 off = there - moving.of([marker.name])[:, 0]
                 _say(f"{marker.name} by a limb learnt on {what}, from its cluster's: {_median_mm(off)}")
+            if marker.name == names["medial_epicondyle"]:
+                far = 1e3 * np.linalg.norm(there - moving.of([_LATERAL])[:, 0], axis=1)
+                low, high = np.nanmin(far), np.nanmax(far)
+                _say(f"and from the lateral epicondyle's marker: {low:.0f} to {high:.0f} mm")
     return 0
 
 

@@ -26,6 +26,7 @@ import numpy as np
 
 from arm.arm_file import load_arm, save_arm
 from arm.body.segments import Sex
+from arm.body.tracked_segments import TRACKED_SEGMENTS
 from arm.body.whole_body import body_map, human_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Body, Floats, Marker
@@ -109,9 +110,11 @@ def drawn(rng: np.random.Generator) -> Person:
 
 
 def marked(arm: Arm, rng: np.random.Generator) -> Arm:
-    """Return the person with markers on all segments."""
+    """Return the person with markers on all segments that are followed."""
     markers = []
     for segment, part in body_map().parts.items():
+        if segment not in TRACKED_SEGMENTS:
+            continue
         link = arm.joints[part.link].link
         for k in range(N_MARKER):
             x, y, z = np.array(link.com_m) + SPREAD_M * rng.normal(size=3)

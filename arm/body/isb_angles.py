@@ -15,8 +15,8 @@ from scipy.spatial.transform import Rotation
 
 from arm.body.isb_frames import isb_frame
 from arm.body.landmarks import limb_map
-from arm.body.limbs import BODY, LIMBS
-from arm.body.whole_body import body_map
+from arm.body.limbs import LIMBS
+from arm.body.whole_body import body_map, is_whole_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 
@@ -131,7 +131,7 @@ def _turns(R: Floats, turns: Turns) -> Floats:
 
 def _links(arm: Arm) -> dict[str, int]:
     """Return the link, from 0, of each segment; -1 for the one that carries the base."""
-    if arm.name == BODY:
+    if is_whole_body(arm):
         return {name: part.link for name, part in body_map().parts.items()}
     if arm.name not in LIMBS:
         return {}
@@ -141,7 +141,7 @@ def _links(arm: Arm) -> dict[str, int]:
 
 def _centres(arm: Arm, frames_0: NDArray[np.float64]) -> dict[str, Floats]:
     """Return joints' centres with all joints at zero, in frame 0, (3,) [m] each."""
-    if arm.name == BODY:
+    if is_whole_body(arm):
         return {name: frames_0[k, :3, 3] for name, k in body_map().centres.items()}
     if arm.name not in LIMBS:
         return {}

@@ -57,7 +57,10 @@ class LimbMap:
 
 
 def limb_map(preset: str, n_joint: int) -> LimbMap:
-    """Return the map of a preset by its joints: nine of an arm begin at the thorax, seven at the scapula."""
+    """Return the map of a preset by its joints.
+
+    Nine of an arm begin at the thorax, seven at the scapula. Of a leg's seven one turns the shank, of six none.
+    """
     side = preset.rpartition("-")[2]
     if "arm" in preset:
         k = n_joint - 7
@@ -72,13 +75,15 @@ def limb_map(preset: str, n_joint: int) -> LimbMap:
         centres = {**({"girdle": 0} if k else {}), "shoulder": k, "elbow": k + 3, "wrist": k + 5}
         axes = {"elbow": k + 3, "forearm": k + 4, "wrist": k + 5}
         return LimbMap(side, base, parts, centres, (k,), axes)
+    shank = n_joint - 3
     parts = {
         f"thigh_{side}": Part(2, "hip", "knee"),
-        f"shank_{side}": Part(3, "knee", "ankle"),
-        f"foot_{side}": Part(5, "ankle", "toes"),
+        f"shank_{side}": Part(shank, "knee", "ankle"),
+        f"foot_{side}": Part(shank + 2, "ankle", "toes"),
     }
-    axes = {"knee": 3, "ankle": 4, "subtalar": 5}
-    return LimbMap(side, "pelvis", parts, {"hip": 0, "knee": 3, "ankle": 4}, (0,), axes)
+    turning = {"shank": shank} if shank > 3 else {}
+    axes = {"knee": 3, **turning, "ankle": shank + 1, "subtalar": shank + 2}
+    return LimbMap(side, "pelvis", parts, {"hip": 0, "knee": 3, "ankle": shank + 1}, (0,), axes)
 
 
 #: Landmark, the centre that it is near, and how far from it: forward, outward, up [m], of a person of 1.741 m.

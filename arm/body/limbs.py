@@ -55,11 +55,16 @@ _SHOULDER_TO_HAND = (
     Axis(FORWARD, True, (-70.0, 80.0)),  # flexion of the wrist
     Axis(-LEFT, False, (-30.0, 20.0)),  # radial deviation
 )
-_HIP_TO_FOOT = (
+_HIP_TO_KNEE = (
     Axis(-LEFT, False, (-30.0, 120.0)),  # flexion of the hip
     Axis(-FORWARD, True, (-30.0, 45.0)),  # abduction
     Axis(UP, True, (-45.0, 45.0)),  # internal rotation
     Axis(LEFT, False, (0.0, 135.0)),  # flexion of the knee
+)
+#: Of the shank about its long axis: 40° with the knee bent by 90°, two thirds of them outwards (Mossberg and
+#: Smith, J. Orthop. Sports Phys. Ther. 4, 1983).
+_SHANK_ROTATION = Axis(UP, True, (-27.0, 13.0))  # internal rotation of the shank
+_ANKLE_TO_FOOT = (
     Axis(-LEFT, False, (-50.0, 20.0)),  # dorsiflexion
     Axis(FORWARD, True, (-15.0, 35.0)),  # inversion
 )
@@ -70,7 +75,7 @@ LIMBS = ("human-arm-right", "human-arm-left", "human-leg-right", "human-leg-left
 MEAN_PERSON = Body("human-arm-right", 73.0, 1.741, "m")
 
 
-def limb(body: Body, girdle: Girdle = "thorax") -> Arm:
+def limb(body: Body, girdle: Girdle = "thorax", shank_turns: bool = False) -> Arm:
     """Return a person's arm or leg.
 
     Parameters
@@ -79,9 +84,11 @@ def limb(body: Body, girdle: Girdle = "thorax") -> Arm:
         Whose; its preset is one of `LIMBS`.
     girdle : {"thorax", "scapula"}
         From where on an arm begins: two joints of the shoulder girdle, or none. A leg begins at the hip.
+    shank_turns : bool
+        Whether a leg's shank turns about its long axis under the knee, as a whole person's do.
     """
     side = 1.0 if body.preset.endswith("right") else -1.0
-    plan = arm_plan(body, side, girdle) if "arm" in body.preset else leg_plan(body, side)
+    plan = arm_plan(body, side, girdle) if "arm" in body.preset else leg_plan(body, side, shank_turns)
     return Arm(name=body.preset, joints=tuple(plan.joints(np.zeros(3), np.eye(3))), body=body)
 
 
@@ -161,19 +168,22 @@ def arm_plan(body: Body, side: float, girdle: Girdle) -> Plan:
     return Plan((*(_GIRDLE if before else ()), *_SHOULDER_TO_HAND), side, np.array(points), segments)
 
 
-def leg_plan(body: Body, side: float) -> Plan:
-    """Return a person's leg from the hip on."""
+def leg_plan(body: Body, side: float, shank_turns: bool) -> Plan:
+    """Return a person's leg from the hip on; `limb` says what the shank does."""
     thigh, shank, foot = (_segment(body, name) for name in ("thigh", "shank", "foot"))
     hip = np.zeros(3)
     knee = hip + thigh.length_m * DOWN
     ankle = knee + shank.length_m * DOWN
     heel = ankle + _ANKLE * body.height_m * DOWN - _BEFORE_HEEL * foot.length_m * FORWARD
-    points = [hip, hip, hip, knee, ankle, ankle, heel + foot.length_m * FORWARD]
+    turning = [knee] if shank_turns else []
+    points = [hip, hip, hip, knee, *turning, ankle, ankle, heel + foot.length_m * FORWARD]
     along, forward = np.column_stack([FORWARD, -LEFT, DOWN]), np.column_stack([UP, -LEFT, FORWARD])
     # The foot's mass lies between ankle and sole.
     middle = heel + 0.5 * _ANKLE * body.height_m * UP
-    segments = {2: [(thigh, hip, along)], 3: [(shank, knee, along)], 5: [(foot, middle, forward)]}
-    return Plan(_HIP_TO_FOOT, side, np.array(points), segments)
+    n = 3 + len(turning)
+    segments = {2: [(thigh, hip, along)], n: [(shank, knee, along)], n + 2: [(foot, middle, forward)]}
+    axes = (*_HIP_TO_KNEE, *([_SHANK_ROTATION] if turning else []), *_ANKLE_TO_FOOT)
+    return Plan(axes, side, np.array(points), segments)
 
 
 def _segment(body: Body, name: str) -> Segment:

@@ -4,9 +4,10 @@ The pelvis floats: three joints slide it along frame 0's axes (forward, left, up
 drives them. With all positions at zero a person stands upright, the middle between the hips' centres in frame 0's
 origin. The pelvis turns about the vertical, then to a side (obliquity, positive with its left side up), then
 forward (tilt): in this order (Baker 2001) gimbal lock is a pelvis that lies on its side, and standing, squatting
-and sitting are far from it. The trunk hangs on the pelvis at the lumbar joint: flexion, bending to the right, turn
-to the left. Legs and arms are those of `arm.body.limbs`, arms from the thorax on: two joints of the girdle carry
-the shoulder, for an arm that is raised takes its shoulder along by centimetres.
+and sitting are far from it. The abdomen hangs on the pelvis at the lumbar joint: flexion, bending to the right,
+turn to the left. Thorax and head flex on it a second time, where lumbar and thoracic spine meet. Legs and arms are
+those of `arm.body.limbs`: a shank that turns under the knee, and arms from the thorax on: two joints of the girdle
+carry the shoulder, for an arm that is raised takes its shoulder along by centimetres.
 
 References
 ----------
@@ -23,6 +24,7 @@ import numpy as np
 
 from arm.body.landmarks import LimbMap, Part, landmark_places, limb_map
 from arm.body.limbs import (
+    BODY,
     DOWN,
     FORWARD,
     LEFT,
@@ -43,8 +45,9 @@ SIDES = ("right", "left")
 #: of the model of Delp et al. (1990), a man of 1.80 m. A calibration replaces them.
 _HALF_HIPS, _LUMBAR_BEHIND = 0.0835 / 1.80, 0.0300 / 1.80
 
-#: Joints of the pelvis and of the lumbar joint; ranges of the spine: American Academy of Orthopaedic Surgeons,
-#: Joint Motion (1965).
+#: Joints of the pelvis and of the trunk; ranges of the spine: American Academy of Orthopaedic Surgeons, Joint
+#: Motion (1965), its flexion and extension divided as those of the lumbar spine are to the whole's, 60 of 105° and
+#: 35 of 60° (Kapandji, The Physiology of the Joints 3, 1974).
 _PELVIS = (
     Axis(FORWARD, False, None, slides=True),
     Axis(LEFT, False, None, slides=True),
@@ -54,13 +57,17 @@ _PELVIS = (
     Axis(LEFT, False, None),
 )
 _TRUNK = (
-    Axis(LEFT, False, (-30.0, 80.0)),
+    Axis(LEFT, False, (-17.5, 45.7)),
     Axis(FORWARD, False, (-35.0, 35.0)),
     Axis(UP, False, (-45.0, 45.0)),
+    Axis(LEFT, False, (-12.5, 34.3)),
 )
+#: Where the lumbar spine ends on the way from its lower end to the seventh cervical vertebra: 18 of 46 cm (Gray,
+#: Anatomy of the Human Body, 1918).
+_LUMBAR_SHARE = 18.0 / 46.0
 _PELVIS_NAMES = ("forward", "left", "up", "rotation", "obliquity", "tilt")
-_TRUNK_NAMES = ("flexion", "bending", "rotation")
-_LEG_NAMES = ("hip_flexion", "hip_abduction", "hip_rotation", "knee", "ankle", "subtalar")
+_TRUNK_NAMES = ("lumbar_flexion", "lumbar_bending", "lumbar_rotation", "thoracic_flexion")
+_LEG_NAMES = ("hip_flexion", "hip_abduction", "hip_rotation", "knee", "shank", "ankle", "subtalar")
 _ARM_NAMES = (
     "girdle_protraction", "girdle_elevation", "shoulder_flexion", "shoulder_abduction", "shoulder_rotation",
     "elbow", "forearm", "wrist", "radial",
@@ -89,18 +96,18 @@ class Branch:
 #: Branches in the order of their joints.
 BRANCHES: Mapping[str, Branch] = {
     "pelvis": Branch(0, tuple(f"pelvis_{name}" for name in _PELVIS_NAMES)),
-    "trunk": Branch(6, tuple(f"lumbar_{name}" for name in _TRUNK_NAMES)),
+    "trunk": Branch(6, _TRUNK_NAMES),
     **{
         f"{kind}_{side}": Branch(
             first + len(names) * k,
             tuple(f"{name}_{side}" for name in names),
             limb_map(f"human-{kind}-{side}", len(names)),
         )
-        for kind, first, names in (("leg", 9, _LEG_NAMES), ("arm", 21, _ARM_NAMES))
+        for kind, first, names in (("leg", 10, _LEG_NAMES), ("arm", 24, _ARM_NAMES))
         for k, side in enumerate(SIDES)
     },
 }
-PELVIS_LINK, THORAX_LINK = 5, 8
+PELVIS_LINK, ABDOMEN_LINK, THORAX_LINK = 5, 8, 9
 
 #: Landmarks of thorax and pelvis: how far forward, outward (those at either side) and up they are of the middle
 #: between the hips' centres [m], of a person of 1.741 m, about. Heights of the thorax: de Leva (1996); the front
@@ -122,7 +129,8 @@ class BodyMap:
     Attributes
     ----------
     parts : mapping of str to Part
-        By segment, named as marker sets do; ``begins`` and ``ends`` are keys of ``centres`` or ends.
+        By segment, named as marker sets do, and the abdomen, which none follows; ``begins`` and ``ends`` are keys
+        of ``centres`` or ends.
     centres : mapping of str to int
         By joint, such as ``hip_right``: the joint whose joint-axis frame begins there with all positions at zero.
     balls : tuple of int
@@ -144,9 +152,10 @@ def body_map() -> BodyMap:
     """Return the map of `human_body`."""
     parts = {
         "pelvis": Part(PELVIS_LINK, "pelvis", "lumbar"),
-        "thorax": Part(THORAX_LINK, "lumbar", "vertex"),
+        "abdomen": Part(ABDOMEN_LINK, "lumbar", "thoracic"),
+        "thorax": Part(THORAX_LINK, "thoracic", "vertex"),
     }
-    centres, balls, axes = {"pelvis": 5, "lumbar": 8}, [6], dict[str, int]()
+    centres, balls, axes = {"pelvis": 5, "lumbar": 6, "thoracic": 9}, [6], dict[str, int]()
     for branch in BRANCHES.values():
         where, k = branch.where, branch.first
         if where is not None:
@@ -162,7 +171,7 @@ def body_map() -> BodyMap:
 
 
 def human_body(body: Body) -> Arm:
-    """Return a person: 39 joints, of which the first six carry the pelvis.
+    """Return a person: 42 joints, of which the first six carry the pelvis.
 
     Frame 0 is the world's; the segments' masses add up to the person's.
 
@@ -181,17 +190,16 @@ def human_body(body: Body) -> Arm:
     notch = waist + (middle.length_m + upper.length_m) * UP
     vertex = (above_hips_m("c7", height, sex) + head.length_m) * UP
     lumbar = waist - _LUMBAR_BEHIND * height * FORWARD
+    x, z = _MIDDLE_LANDMARKS["c7"]
+    thoracic = _LUMBAR_SHARE * (height / MEAN_PERSON.height_m * (x * FORWARD + z * UP) - lumbar)
     pelvis = Plan(_PELVIS, 1.0, np.zeros((7, 3)), {5: [(lower, waist, down)]})
     trunk = Plan(
         _TRUNK,
         1.0,
-        np.zeros((4, 3)),
+        np.array([np.zeros(3), np.zeros(3), np.zeros(3), thoracic, thoracic]),
         {
-            2: [
-                (middle, waist + middle.length_m * UP - lumbar, down),
-                (upper, notch - lumbar, down),
-                (head, vertex - lumbar, down),
-            ]
+            2: [(middle, waist + middle.length_m * UP - lumbar, down)],
+            3: [(upper, notch - lumbar, down), (head, vertex - lumbar, down)],
         },
     )
     shoulders = above_hips_m("shoulders", height, sex) * UP
@@ -199,7 +207,8 @@ def human_body(body: Body) -> Arm:
     frames = [*pelvis.lines(np.zeros(3)).frames(), *trunk.lines(lumbar).frames()]
     plans = {"trunk": (trunk, PELVIS_LINK, lumbar)}
     for side, sign in (("right", 1.0), ("left", -1.0)):
-        plans[f"leg_{side}"] = leg_plan(body, sign), PELVIS_LINK, -sign * _HALF_HIPS * height * LEFT
+        hip = -sign * _HALF_HIPS * height * LEFT
+        plans[f"leg_{side}"] = leg_plan(body, sign, shank_turns=True), PELVIS_LINK, hip
         plans[f"arm_{side}"] = arm_plan(body, sign, "thorax"), THORAX_LINK, shoulders
     for name in [*BRANCHES][1:]:
         plan, parent, start = plans[name]
@@ -208,6 +217,16 @@ def human_body(body: Body) -> Arm:
         first, *others = plan.joints(start, frame[:3, :3])
         joints += [replace(first, parent=parent + 1, parent_position_m=(x, y, z)), *others]
     return Arm(name=body.preset, joints=tuple(joints), body=body)
+
+
+def is_whole_body(arm: Arm) -> bool:
+    """Return whether an arm has the joints of `human_body`; a file may have those of an earlier version."""
+    return arm.name == BODY and arm.n_joint == len(body_map().joints)
+
+
+def limb_of_body(person: Body, name: str) -> Arm:
+    """Return a leg or an arm of the body by itself, such as that of the branch ``leg_right``."""
+    return limb(replace(person, preset=f"human-{name.replace('_', '-')}"), "thorax", shank_turns=True)
 
 
 def joint_places(arm: Arm) -> dict[str, tuple[int, Floats]]:
@@ -252,7 +271,7 @@ def body_landmarks(arm: Arm) -> dict[str, tuple[int, Floats]]:
     for name, branch in BRANCHES.items():
         if branch.where is None:
             continue
-        own = limb(replace(arm.body, preset=f"human-{name.replace('_', '-')}"), "thorax")
+        own = limb_of_body(arm.body, name)
         for landmark, (link, at) in landmark_places(own, branch.where, arm.body.height_m).items():
             places[landmark] = branch.first + link, at
     return places

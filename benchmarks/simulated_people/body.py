@@ -7,8 +7,9 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from arm.body.landmarks import landmark_places
-from arm.body.limbs import BODY, MEAN_PERSON, limb
-from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body
+from arm.body.limbs import BODY, MEAN_PERSON
+from arm.body.tracked_segments import TRACKED_SEGMENTS
+from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body, limb_of_body
 from arm.kinematics import axis_frames
 from arm.model import Arm, Floats
 from fitter.body.body_fit import BodyFit
@@ -42,7 +43,7 @@ def joint(name: str) -> int:
 
 
 def squatting(n: int) -> Floats:
-    """Return angles, (n, 39): upright for a second, then squats with arms that swing and trunk that turns."""
+    """Return angles, (n, n_joint): upright for a second, then squats with arms that swing and trunk that turns."""
     t = np.arange(n) / RATE_HZ
     deep = 0.5 - 0.5 * np.cos(2.0 * np.pi * np.maximum(t - 1.0, 0.0) / 2.0)
     sway = np.where(t > 1.0, 1.0, 0.0) * np.sin(2.0 * np.pi * np.maximum(t - 1.0, 0.0) / 3.0)
@@ -57,9 +58,10 @@ def squatting(n: int) -> Floats:
         for side in ("right", "left"):
             q[:, joint(f"{name}_{side}")] = most * deep
     for name, most in {
-        "lumbar_flexion": 0.3, "lumbar_rotation": 0.3, "lumbar_bending": 0.2, "pelvis_rotation": 0.2,
+        "lumbar_flexion": 0.2, "thoracic_flexion": 0.1, "lumbar_rotation": 0.3, "lumbar_bending": 0.2,
+        "pelvis_rotation": 0.2,
         "hip_abduction_right": 0.2, "hip_abduction_left": -0.2,
-        "hip_rotation_right": 0.2, "hip_rotation_left": 0.2,
+        "hip_rotation_right": 0.2, "hip_rotation_left": 0.2, "shank_right": 0.2, "shank_left": 0.1,
         "shoulder_abduction_right": 0.4, "shoulder_abduction_left": 0.4, "shoulder_rotation_left": 0.4,
         "shoulder_rotation_right": 0.4, "forearm_right": 0.5, "forearm_left": 0.5, "girdle_elevation_right": 0.15,
         "girdle_elevation_left": 0.15, "pelvis_forward": 0.1, "pelvis_left": 0.05,
@@ -75,7 +77,7 @@ def _landmarks(arm: Arm) -> dict[str, tuple[int, Floats]]:
     found = body_landmarks(arm)
     for name, branch in BRANCHES.items():
         if branch.where is not None:
-            own = limb(replace(arm.body, preset=f"human-{name.replace('_', '-')}"))
+            own = limb_of_body(arm.body, name)
             at = arm.joints[branch.first : branch.first + own.n_joint]
             own = own.with_joints(a_m=[j.a_m for j in at], d_m=[j.d_m for j in at])
             places = landmark_places(own, branch.where, arm.body.height_m)
@@ -89,13 +91,15 @@ def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
     a, d = (np.array([getattr(j, name) for j in arm.joints]) for name in ("a_m", "d_m"))
     for side in ("right", "left"):
         d[joint(f"hip_rotation_{side}")] *= 1.06
-        a[joint(f"knee_{side}")] *= 0.95
+        d[joint(f"shank_{side}")] *= 0.95
         d[joint(f"shoulder_rotation_{side}")] *= 1.05
     arm = arm.with_joints(a_m=a, d_m=d)
     rng = np.random.default_rng(1)
     names, links, places = list[str](), list[int](), list[Floats]()
     segments: dict[str, tuple[str, ...]] = {}
     for segment, part in WHERE.parts.items():
+        if segment not in TRACKED_SEGMENTS:
+            continue
         own = tuple(f"{segment}{k}" for k in range(2 if segment.startswith("scapula") else 3))
         segments[segment] = own
         for name in own:
@@ -115,7 +119,7 @@ def truth(n: int = 300, noise_m: float = 5e-4) -> Truth:
     world = at @ WORLD.T + noise_m * rng.normal(size=at.shape)
     centres = {name: frames[:, k, :3, 3] @ WORLD.T for name, k in WHERE.centres.items()}
     lengths = {
-        "thigh_right": abs(d[joint("hip_rotation_right")]), "shank_left": a[joint("knee_left")],
+        "thigh_right": abs(d[joint("hip_rotation_right")]), "shank_left": abs(d[joint("shank_left")]),
         "upper_arm_left": abs(d[joint("shoulder_rotation_left")]),
     }  # fmt: skip
     recording = MarkerRecording("squats.trc", RATE_HZ, tuple(names), world, "m", "+y")

@@ -1,11 +1,10 @@
 """The whole body as its limbs, pelvis and thorax, for a calibration limb by limb."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 from arm.body.landmarks import LimbMap
-from arm.body.limbs import limb
-from arm.body.whole_body import BRANCHES, PELVIS_LINK, THORAX_LINK, human_body
+from arm.body.whole_body import BRANCHES, PELVIS_LINK, THORAX_LINK, human_body, limb_of_body
 from arm.model import Arm, Body
 
 
@@ -71,7 +70,7 @@ def body_with_limbs(person: Body) -> tuple[Arm, BodyLimbs]:
         if branch.where is None:
             continue
         preset = f"human-{name.replace('_', '-')}"
-        own = limb(replace(person, preset=preset), "thorax")
+        own = limb_of_body(person, name)
         segment = "pelvis" if arm.parents[branch.first] == PELVIS_LINK else "thorax"
         limbs.append(LimbOfBody(preset, branch.first, segment, own, branch.where))
         links |= {part: branch.first + one.link for part, one in branch.where.parts.items()}

@@ -12,7 +12,7 @@ from scipy.spatial.transform import Rotation
 from arm.body.limbs import MEAN_PERSON
 from arm.body.whole_body import PELVIS_LINK, SIDES, body_landmarks, body_map
 from arm.kinematics import axis_frames
-from arm.marker_kinematics import HANG_X
+from arm.marker_kinematics import HANG_X, A, D
 from arm.model import Arm, Floats
 from fitter.body.body_map import BodyLimbs, LimbOfBody
 from fitter.body.stance import Stance
@@ -95,6 +95,7 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
         notes += said
     trunk = _trunk(arm, where, trials, stand, zero, centres)
     rows: list[tuple[int, int, float]] = [(HANG_X + axis, where.lumbar, _TRUNK_M) for axis in range(3)]
+    rows += [(D, where.lumbar + 2, _TRUNK_M), (A, where.lumbar + 2, _TRUNK_M)]  # the joint above it
     limbs = dict[str, Arm]()
     for limb in where.limbs:
         k, own = limb.first, limb.arm
@@ -112,7 +113,7 @@ def initial_body(arm: Arm, where: BodyLimbs, trials: LimbTrials, stand: Stance, 
             numbers[k + i, 1:3] = joint.a_m, joint.d_m
         hang[k] = [0.0, *(zero[link, :3, :3].T @ (begins - zero[link, :3, 3]))]
         rows += [(HANG_X + axis, k, std) for axis in range(3)]
-        rows += limb_rows(limb.is_leg, k + limb.where.balls[0], length_std)
+        rows += limb_rows(limb.is_leg, k + limb.where.balls[0], length_std, lower_turns=True)
     virtual, points = _virtual(where, trials, zero, trunk, limbs, centres, height_m)
     angles = joint_prior(arm, body_map().balls, FLOATING)
     return BodyStart(

@@ -3,8 +3,8 @@
 import re
 
 from arm.body.landmarks import limb_map
-from arm.body.limbs import BODY, LIMBS
-from arm.body.whole_body import body_map
+from arm.body.limbs import LIMBS
+from arm.body.whole_body import body_map, is_whole_body
 from arm.model import Arm
 from limbcal.errors import ConfigError
 
@@ -19,7 +19,7 @@ def link_names(arm: Arm) -> list[str]:
 
 def segments(arm: Arm) -> dict[str, int]:
     """Return the link, from 0, that moves each segment of a person; of another arm none."""
-    if arm.name == BODY and arm.n_joint == len(body_map().joints):
+    if is_whole_body(arm):
         return {name: part.link for name, part in body_map().parts.items()}
     if arm.name not in LIMBS:
         return {}

@@ -20,26 +20,6 @@ _SUMS = 16
 
 
 @compiled
-def frame_cost(
-    chain: MarkerChain, frames: Frames, k: int, variance: Floats, prior: AnglePrior, q: Floats, room: Slopes
-) -> float:
-    """Return minus twice the log posterior of one frame's angles."""
-    link_frames(chain, frames.R[k], frames.p[k], q, room)
-    R, o, y, place, total = room.R, room.o, frames.y, chain.place, 0.0
-    for m in range(chain.link.size):
-        if np.isnan(y[k, m, 0]):
-            continue
-        i, squares = chain.link[m], 0.0
-        for row in range(3):
-            at = o[i, row] + R[i, row, 0] * place[m, 0] + R[i, row, 1] * place[m, 1] + R[i, row, 2] * place[m, 2]
-            squares += (y[k, m, row] - at) ** 2
-        total += t_cost(squares, variance[m])
-    for i in range(q.size):
-        total += prior.information[i] * (q[i] - prior.mean[i]) ** 2
-    return total
-
-
-@compiled
 def frame_equations(
     chain: MarkerChain,
     frames: Frames,

@@ -147,10 +147,12 @@ def free_geometry(arm: Arm, centre_std_m: float, length_std_m: Sequence[float]) 
     rows: list[tuple[int, int, float]] = [(BASE_POSITION, axis, centre_std_m) for axis in range(3)]
     if k:  # where the girdle's axes stand in the thorax
         rows += [(BASE_ROTATION, axis, TWIST_RAD) for axis in range(2)]
-    return of_rows(rows + limb_rows(is_leg, k, length_std_m))
+    return of_rows(rows + limb_rows(is_leg, k, length_std_m, lower_turns=not is_leg))
 
 
-def limb_rows(is_leg: bool, ball: int, length_std_m: Sequence[float]) -> list[tuple[int, int, float]]:
+def limb_rows(
+    is_leg: bool, ball: int, length_std_m: Sequence[float], lower_turns: bool
+) -> list[tuple[int, int, float]]:
     """Return kind, joint and prior standard deviation of what is free of a limb, without where it begins.
 
     Parameters
@@ -160,16 +162,19 @@ def limb_rows(is_leg: bool, ball: int, length_std_m: Sequence[float]) -> list[tu
         Its hip's or shoulder's first joint, from 0.
     length_std_m : sequence of float
         As `free_geometry` takes them: three of an arm with a girdle, two otherwise.
+    lower_turns : bool
+        Whether the lower segment turns about its long axis, as every forearm does.
     """
     k, (*girdle, upper, lower) = ball, length_std_m
     rows = [(A, k - 1, girdle[0]), (D, k - 1, 2.0 * PASSES_M)] if girdle else []  # the shoulder on the girdle
     rows += [(D, k + 2, upper)]
-    if is_leg:
+    if not lower_turns:
         rows += [(A, k + 3, lower), (ALPHA, k + 4, TWIST_RAD), (BETA, k + 4, TWIST_RAD)]
         return rows + [(D, k + 4, PASSES_M), (A, k + 4, PASSES_M), (ALPHA, k + 5, 2.0 * TWIST_RAD)]
     rows += [(ALPHA, k + 3, TWIST_RAD), (A, k + 3, PASSES_M), (ALPHA, k + 4, TWIST_RAD)]
     rows += [(D, k + 4, lower), (A, k + 4, PASSES_M), (ALPHA, k + 5, TWIST_RAD)]
-    return rows + [(D, k + 5, PASSES_M), (A, k + 5, PASSES_M), (ALPHA, k + 6, TWIST_RAD)]
+    last = 2.0 * TWIST_RAD if is_leg else TWIST_RAD
+    return rows + [(D, k + 5, PASSES_M), (A, k + 5, PASSES_M), (ALPHA, k + 6, last)]
 
 
 def of_rows(rows: Sequence[tuple[int, int, float]]) -> FreeGeometry:

@@ -164,7 +164,8 @@ def with_lengths(arm: Arm, where: LimbMap, centres: dict[str, Centre]) -> tuple[
     for segment, part in long:
         ends = [centres[c].in_segment_m.get(segment) if c in centres else None for c in (part.begins, part.ends)]
         near = part.begins in ("shoulder", "hip")
-        column, i = (a, 3) if segment.startswith("shank") else (d, k + 2 if near else k + 4)
+        hinged = segment.startswith("shank") and part.link == k + 3
+        column, i = (a, k + 3) if hinged else (d, k + 2 if near else k + 4)
         if ends[0] is None or ends[1] is None:
             stds.append(LENGTH_SHARE * abs(column[i]))
             continue

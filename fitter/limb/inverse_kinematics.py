@@ -11,7 +11,7 @@ import numpy as np
 
 from arm.marker_kinematics import MarkerChain, Slopes, link_frames, marker_at, slopes_room
 from arm.model import Floats
-from fitter.limb.frame_equations import frame_cost, frame_equations
+from fitter.limb.frame_equations import frame_equations
 from fitter.limb.marker_observations import AnglePrior, Frames
 from fitter.limb.normal_equations import t_cost
 from limbcal.compiled import compiled
@@ -26,6 +26,10 @@ _LEAP_RAD = 0.1
 #: What another minimum must save in the markers' cost: odds of 10 : 1. Where two triples of a ball joint's angles
 #: are one posture, the prior alone differs, and angles that leap between them would be no motion.
 _SAVES = 2.0 * math.log(10.0)
+#: The search from another posture ends where a step saves less: a hundredth of what decides. The best is finished.
+_HARDLY_SAVES = 0.01 * _SAVES
+#: A search ends where a step saves less than this share of the cost.
+_SETTLED_SHARE = 1e-9
 #: A frame begins anew where its markers are farther off than this, in standard deviations, rms over them.
 _FAR = 5.0
 
@@ -91,14 +95,18 @@ def _follow(
         if n_seen and (anew or k - last >= _ANEW_EVERY):
             last = k
             best_q[:] = q[k]
+            better = False
             for s in range(starts.shape[0]):
                 trial_q[:] = about[k] + starts[s]
-                found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q)
+                found = solve_frame(chain, frames, k, variance, prior, 60, room, trial_q, _HARDLY_SAVES)
                 saved = cost[k] - found
                 if saved > 1e-6 * abs(cost[k]) and (anew or saved - _freed(prior, best_q, trial_q) > _SAVES):
                     cost[k] = found
                     best_q[:] = trial_q
-            q[k] = best_q
+                    better = True
+            if better:
+                q[k] = best_q
+                cost[k] = solve_frame(chain, frames, k, variance, prior, 60, room, q[k])
     for way in (-1, 1):
         for i in range(1, n_frame):
             k = n_frame - 1 - i if way < 0 else i
@@ -130,10 +138,14 @@ def solve_frame(
     most: int,
     room: Slopes,
     q: Floats,
+    saves: float = 0.0,
 ) -> float:
-    """Turn ``q`` (n,) into the angles of frame ``k`` by Levenberg-Marquardt; return the cost there."""
+    """Turn ``q`` (n,) into the angles of frame ``k`` by Levenberg-Marquardt; return the cost there.
+
+    It ends where a step saves less than ``saves``, or hardly anything.
+    """
     n = q.size
-    A, a, trial = np.empty((n, n)), np.empty(n), np.empty(n)
+    A, a, there, slope, trial = np.empty((n, n)), np.empty(n), np.empty((n, n)), np.empty(n), np.empty(n)
     damping = 1e-3
     cost = frame_equations(chain, frames, k, variance, prior, q, room, A, a)
     for _ in range(most):
@@ -145,11 +157,11 @@ def solve_frame(
         if size > 1.0:
             step /= size
         trial[:] = q + step
-        found = frame_cost(chain, frames, k, variance, prior, trial, room)
+        found = frame_equations(chain, frames, k, variance, prior, trial, room, there, slope)
         if found <= cost:
-            done = cost - found < 1e-9 * (1.0 + cost) or size < 1e-9
+            done = cost - found < max(saves, _SETTLED_SHARE * (1.0 + cost)) or size < 1e-9
             q[:] = trial
-            cost = frame_equations(chain, frames, k, variance, prior, q, room, A, a)
+            A[:], a[:], cost = there, slope, found
             damping = max(damping * 0.2, 1e-9)
             if done:
                 break

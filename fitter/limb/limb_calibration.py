@@ -29,6 +29,7 @@ from fitter.limb.limb_search import Clock, Found, Search, polished, search_limb
 from fitter.limb.limb_trials import LimbTrials, limb_trials
 from fitter.limb.marker_observations import SWAY, Frames, MarkerModel
 from fitter.limb.search_comparison import Comparison, comparison
+from fitter.limb.second_start import begun_again
 from fitter.limb.uncertainty import Errors, errors
 from limbcal.note import Note
 from protocol.markers.recording import MarkerRecording
@@ -109,7 +110,8 @@ def calibrate(
     markers = MarkerModel(names, links[there], place[there], np.full(len(names), FIRST_STD_M))
     task, n_part, trial = _task(arm, where, trials, begin, markers, chosen, person.height_m)
     q = follow(markers.chain(begin.geometry), chosen, markers.std, begin.angles, seed, q)
-    bundle = fit_bundle(task, begin.geometry, markers, q, _reporter(progress, "fitting"))
+    report = _reporter(progress, "fitting")
+    bundle = begun_again(task, fit_bundle(task, begin.geometry, markers, q, report), seed, report)
     rivals = None
     if search is not None:
         plain = Found(bundle, clock() - began, len(rows))

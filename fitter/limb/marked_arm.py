@@ -6,8 +6,8 @@ import numpy as np
 
 from arm.base_pose import base_in_segment
 from arm.body.landmarks import limb_map
-from arm.body.limbs import BODY, LIMBS
-from arm.body.whole_body import body_map
+from arm.body.limbs import LIMBS
+from arm.body.whole_body import body_map, is_whole_body
 from arm.model import Arm
 from fitter.limb.base_motion import BaseMotion
 from fitter.limb.floating_base import floating_joints
@@ -81,4 +81,4 @@ def marked_arm(arm: Arm) -> MarkedArm:
 def _balls(arm: Arm) -> tuple[int, ...]:
     if arm.name in LIMBS:
         return limb_map(arm.name, arm.n_joint).balls
-    return body_map().balls if arm.name == BODY else ()
+    return body_map().balls if is_whole_body(arm) else ()

@@ -94,9 +94,9 @@ def derived(
         Where markers are, and where the fit of all frames has them: centres are given in its frames.
     """
     numbers, k = geometry.numbers, where.balls[0]
-    is_arm = "elbow" in where.centres
-    upper, lower = ("upper_arm", "forearm") if is_arm else ("thigh", "shank")
-    lengths = {upper: abs(numbers[k + 2, 2]), lower: abs(numbers[k + 4, 2]) if is_arm else numbers[3, 1]}
+    upper, lower = ("upper_arm", "forearm") if "elbow" in where.centres else ("thigh", "shank")
+    turns = where.parts[f"{lower}_{where.side}"].link == k + 4
+    lengths = {upper: abs(numbers[k + 2, 2]), lower: abs(numbers[k + 4, 2]) if turns else numbers[k + 3, 1]}
     if k:
         lengths = {"girdle": float(np.hypot(numbers[1, 1], numbers[1, 2])), **lengths}
     first = next(iter(where.centres))

@@ -119,7 +119,7 @@ def with_masses(arm: Arm, where: LimbMap, body: Body) -> tuple[Joint, ...]:
             )
         axes = _axes_along(end - begin)
         if kind == "foot":  # the table's begins at the heel
-            plan = leg_plan(body, 1.0)
+            plan = leg_plan(body, 1.0, shank_turns=False)
             ((_, heel, along_sole),) = plan.segments[max(plan.segments)]
             ankle, toes = plan.points[-2:]
             turn = axes @ _axes_along(toes - ankle).T

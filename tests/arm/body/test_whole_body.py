@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 from arm.arm_file import format_arm, load_arm, parse_arm
-from arm.body.limbs import BODY, MEAN_PERSON, limb
-from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body, joint_places
+from arm.body.limbs import BODY, MEAN_PERSON
+from arm.body.whole_body import BRANCHES, body_landmarks, body_map, human_body, joint_places, limb_of_body
 from arm.kinematics import axis_frames
 from arm.model import Body
 from arm.newton_euler import inverse_dynamics, mass_matrix
@@ -20,7 +20,7 @@ SIDEWAYS = ("pelvis_left", "pelvis_rotation", "pelvis_obliquity", "lumbar_bendin
 
 
 def posed(**positions):
-    q = np.zeros((1, 39))
+    q = np.zeros((1, len(WHERE.joints)))
     for name, value in positions.items():
         q[0, WHERE.joints.index(name)] = value
     return q
@@ -44,7 +44,7 @@ def test_the_segments_weigh_what_the_person_does(sex):
 def test_standing_it_is_as_high_as_a_person(person):
     """Sole to vertex, and the centre of mass at 0.57 of stature (Winter 2009: 0.55 to 0.58)."""
     frames = axis_frames(person, posed())[0]
-    sole = frames[14, 2, 3] - 0.039 * 1.741
+    sole = frames[WHERE.parts["foot_right"].link, 2, 3] - 0.039 * 1.741
     weights = np.array([joint.link.mass_kg for joint in person.joints])
     coms = np.array([f[:3, :3] @ j.link.com_m + f[:3, 3] for f, j in zip(frames, person.joints, strict=True)])
     centre = weights @ coms / weights.sum() - [0.0, 0.0, sole]
@@ -69,6 +69,7 @@ def test_what_carries_the_pelvis_carries_the_person(person):
         ({"lumbar_flexion": 0.4}, "upper_arm_right", 0, 1), ({"lumbar_bending": 0.4}, "upper_arm_right", 2, -1),
         ({"lumbar_rotation": 0.4}, "upper_arm_right", 0, 1), ({"hip_flexion_right": 0.4}, "shank_right", 0, 1),
         ({"hip_abduction_left": 0.4}, "shank_left", 1, 1), ({"shoulder_flexion_left": 0.4}, "hand_left", 0, 1),
+        ({"thoracic_flexion": 0.4}, "scapula_left", 0, 1),
     ],
 )  # fmt: skip
 def test_joints_move_the_body_as_anatomy_says(person, positions, link, axis, sign):
@@ -79,11 +80,11 @@ def test_joints_move_the_body_as_anatomy_says(person, positions, link, axis, sig
 
 def test_left_is_the_mirror_image_of_right(person):
     rng = np.random.default_rng(0)
-    q = rng.uniform(-0.6, 0.6, (1, 39))
+    q = rng.uniform(-0.6, 0.6, (1, len(WHERE.joints)))
     mirrored = q.copy()
     for i, name in enumerate(WHERE.joints):
         other = name.replace("right", "left") if name.endswith("right") else name.replace("left", "right")
-        other = name if name.startswith(("pelvis", "lumbar")) else other
+        other = name if name.startswith(("pelvis", "lumbar", "thoracic")) else other
         mirrored[0, WHERE.joints.index(other)] = -q[0, i] if name in SIDEWAYS else q[0, i]
     frames, images = axis_frames(person, q)[0], axis_frames(person, mirrored)[0]
     for segment, part in WHERE.parts.items():
@@ -93,14 +94,12 @@ def test_left_is_the_mirror_image_of_right(person):
 
 
 def test_its_limbs_are_the_limbs_that_hang_there(person):
-    q = np.random.default_rng(1).uniform(-0.5, 0.5, (1, 39))
+    q = np.random.default_rng(1).uniform(-0.5, 0.5, (1, len(WHERE.joints)))
     frames = axis_frames(person, q)[0]
     for name in ("leg_left", "arm_right"):
         branch = BRANCHES[name]
         chosen = slice(branch.first, branch.first + len(branch.names))
-        own = axis_frames(
-            limb(replace(MEAN_PERSON, preset=f"human-{name.replace('_', '-')}"), "thorax"), q[:, chosen]
-        )[0]
+        own = axis_frames(limb_of_body(MEAN_PERSON, name), q[:, chosen])[0]
         inner = np.linalg.inv(frames[branch.first]) @ frames[chosen]
         np.testing.assert_allclose(inner, np.linalg.inv(own[0]) @ own, atol=1e-12)
         link, place = joint_places(person)[name]

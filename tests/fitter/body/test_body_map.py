@@ -12,7 +12,7 @@ def test_limbs_have_the_bodys_lengths_and_hang_where_it_says():
     arm, where = body_with_limbs(replace(MEAN_PERSON, preset=BODY))
     assert [limb.segment for limb in where.limbs] == ["pelvis", "pelvis", "thorax", "thorax"]
     covered = sorted(k for limb in where.limbs for k in range(limb.first, limb.first + limb.arm.n_joint))
-    assert covered == list(range(where.lumbar + 3, arm.n_joint))
+    assert covered == list(range(where.links["thorax"] + 1, arm.n_joint))
     for limb in where.limbs:
         assert arm.parents[limb.first] == where.links[limb.segment]
         own = arm.joints[limb.first : limb.first + limb.arm.n_joint]

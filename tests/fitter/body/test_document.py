@@ -9,7 +9,7 @@ def test_it_has_what_that_of_a_limb_has_side_by_side(found):
         f"{name}_{side}" for name in ("thigh", "shank", "upper_arm", "forearm") for side in ("right", "left")
     } <= set(found["lengths_m"])
     assert found["centres"]["hip_left"]["segment"] == "pelvis"
-    assert found["parameters"]["parent_position10_x"]["std"] > 0.0
+    assert found["parameters"]["parent_position11_x"]["std"] > 0.0
     for one in found["lengths_m"].values():
         low, high = one["ci95"]
         assert low < one["value"] < high and np.isfinite([low, high]).all()

@@ -5,7 +5,7 @@ import pytest
 
 from arm.marker_kinematics import slopes_room
 from fitter.limb import motion_smoother
-from fitter.limb.frame_equations import frame_cost, frame_equations
+from fitter.limb.frame_equations import frame_equations
 from fitter.limb.inverse_kinematics import predicted
 from fitter.limb.marker_observations import FREEDOM, SWAY
 from fitter.limb.motion_smoother import JERK_DENSITY, SWAY_JERK_DENSITY, smooth
@@ -57,10 +57,10 @@ def test_nothing_is_left_to_gain_at_the_answer(known):
     A, a = information(chain, frames, std, prior, found.q)
     step = np.linalg.solve(A + H, a.ravel() - H @ found.q.ravel())
     assert np.abs(step).max() < 2e-3
-    room = slopes_room(q.shape[1], 0)
+    room, spare = slopes_room(q.shape[1], 0), (np.empty((q.shape[1], q.shape[1])), np.empty(q.shape[1]))
 
     def cost(x):
-        own = sum(frame_cost(chain, frames, k, std**2, prior, x[k], room) for k in range(len(x)))
+        own = sum(frame_equations(chain, frames, k, std**2, prior, x[k], room, *spare) for k in range(len(x)))
         jerk = np.log1p(np.diff(x, 3, axis=0) ** 2 / scales(chain) / FREEDOM)
         return own + float((FREEDOM + 1.0) * np.sum(jerk))
 
