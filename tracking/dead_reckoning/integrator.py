@@ -72,7 +72,7 @@ class Integrator:
         self._decimation = max(1, round(rate_hz / frame_rate_hz))
         self.dt_s = self._decimation * self._dt_sample
         self._cell = max(2, self._decimation * max(1, round(_CELL_S / self.dt_s)))  # one reading shows no noise
-        self._n_channel = 3 * len(arm.sensors)
+        self._n_channel, self._n_read = 3 * len(arm.sensors), arm.n_channel
         self._state = reckoning_of(arm, q0)
         self._rest = RestDetector(contrasts(self._state), gravity_slack(arm, self._state))
         self._state = self._state._replace(offset=self._rest.offset)  # which is learnt in place
@@ -114,11 +114,11 @@ class Integrator:
 
     def push_all(self, blocks: Sequence[Block]) -> list[tuple[list[Frames], list[Phase]]]:
         """Do `push` with blocks of readings in a row, (t0_ns, readings); return what each of them completes."""
-        n_channel, end = self._arm.n_channel, self._sample + len(self._pending)
+        end = self._sample + len(self._pending)
         parts, ends, anchors = [self._pending] if len(self._pending) else [], [], []
         for t0_ns, readings in blocks:
-            if readings.ndim != 2 or readings.shape[1] != n_channel:
-                raise DataError(f"readings have shape {readings.shape}, expected (n, {n_channel})")
+            if readings.ndim != 2 or readings.shape[1] != self._n_read:
+                raise DataError(f"readings have shape {readings.shape}, expected (n, {self._n_read})")
             anchors.append((t0_ns, end))
             ends.append(end := end + len(readings))
             parts.append(readings[:, : self._n_channel])
