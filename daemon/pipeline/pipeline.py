@@ -10,7 +10,7 @@ from daemon.monitoring.alarm_conditions import AlarmConditions
 from daemon.monitoring.alarms import Alarms
 from daemon.monitoring.health import Delay, Latency, health_fields
 from daemon.pipeline.warm_up import warm_up
-from daemon.publishing.motion_blocks import RawSamples
+from daemon.publishing.motion_blocks import RawSamples, unbroken
 from daemon.publishing.outlet import Outlet
 from daemon.publishing.sample_blocks import SampleBlocks
 from daemon.reception.reception import Reception
@@ -121,9 +121,7 @@ class Pipeline:
 
     def _follow(self, runs: Sequence[Run], arrived_ns: int | None) -> None:
         for run in runs:
-            for block in self._blocks.add(run):
-                if self._track(block) and arrived_ns is not None:
-                    self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
+            self._track(self._blocks.add(run), arrived_ns)
         for gap in self._reception.new_gaps():
             self._outlet.send_gap(gap)
         if self._link is not None:
@@ -133,8 +131,7 @@ class Pipeline:
         """Send what waited for more samples or did not fill a block."""
         runs = self._reception.finish()
         self._follow(runs if self._waiting is None else [*self._begin(), *runs], None)
-        for block in self._blocks.flush():
-            self._track(block)
+        self._track(self._blocks.flush(), None)
         self._send(*self._tracker.flush())
         self._outlet.flush()
         if self._link is not None:
@@ -182,17 +179,22 @@ class Pipeline:
         ]
         return {**fields, "words": words}
 
-    def _track(self, block: RawSamples) -> int:
-        """Send samples and what the tracker makes of them; return how many blocks of frames that completed."""
-        if block.lost:
-            frames, phases = self._tracker.gap(block.lost)
-            self._outlet.send_bridge(frames)
-            self._send((), phases)
-        if block.dt_s != self._dt_s:
-            self._dt_s = block.dt_s
-            self._tracker.retime(1.0 / block.dt_s)
-        self._outlet.send_raw(block)
-        return self._send(*self._tracker.push(block.t0_ns, block.a))
+    def _track(self, blocks: Sequence[RawSamples], arrived_ns: int | None) -> None:
+        """Send samples and what the tracker makes of them, at once of all between which nothing changes."""
+        for together in unbroken(blocks):
+            first = together[0]
+            if first.lost:
+                frames, phases = self._tracker.gap(first.lost)
+                self._outlet.send_bridge(frames)
+                self._send((), phases)
+            if first.dt_s != self._dt_s:
+                self._dt_s = first.dt_s
+                self._tracker.retime(1.0 / first.dt_s)
+            motion = self._tracker.push_all([(block.t0_ns, block.a) for block in together])
+            for block, (frames, phases) in zip(together, motion, strict=True):
+                self._outlet.send_raw(block)
+                if self._send(frames, phases) and arrived_ns is not None:
+                    self._latency.note(1e-9 * (time.monotonic_ns() - arrived_ns))
 
     def _send(self, frames: Sequence[Frames], phases: Sequence[Phase]) -> int:
         """Send what the tracker gave out; return how many blocks of frames that completed."""

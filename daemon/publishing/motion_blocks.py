@@ -1,5 +1,6 @@
 """Blocks of frames and of raw samples, and the messages that they become."""
 
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Any, NamedTuple
 
@@ -40,6 +41,16 @@ class RawSamples(NamedTuple):
 def raw_block_size(rate_hz: float) -> int:
     """Return the number of samples in 10 ms."""
     return max(1, round(BLOCK_S * rate_hz))
+
+
+def unbroken(blocks: Sequence[RawSamples]) -> list[list[RawSamples]]:
+    """Return blocks in groups within which no sample is missing and the time between samples stays."""
+    groups: list[list[RawSamples]] = []
+    for block in blocks:
+        if block.lost or not groups or block.dt_s != groups[-1][-1].dt_s:
+            groups.append([])
+        groups[-1].append(block)
+    return groups
 
 
 def frame_blocks(piece: Frames) -> list[Frames]:

@@ -4,25 +4,27 @@ It drifts, and says nothing of its own uncertainty; it is what the paper describ
 trackers are measured against.
 """
 
+from bisect import bisect_left
+from collections.abc import Sequence
 from typing import Literal, NamedTuple
 
 import numpy as np
 
-from arm.kinematics import axis_frames, sensor_positions, tips_of
+from arm.kinematics import sensor_positions, tips_of
 from arm.model import Arm, Floats
 from limbcal.errors import ConfigError, DataError
+from tracking.dead_reckoning.cells import reckon_cells
 from tracking.dead_reckoning.integration import gravity_readings, reckon
 from tracking.dead_reckoning.integration_state import reckoning_of
 from tracking.dead_reckoning.rest import RestDetector
+from tracking.dead_reckoning.rest_contrasts import contrasts, gravity_slack
 from tracking.model.differences import CentralDifferences
 from tracking.model.frame_means import FrameMeans
-from tracking.model.frames import Frames, Phase
+from tracking.model.frames import Block, Frames, Phase
 
 Zero = Literal["each-rest", "first-rest"]
 #: A cell is what is judged at once for rest, and what a block of frames covers.
 _CELL_S = 0.01
-#: By how much an integrated angle may be off, when it is asked whether gravity explains a reading.
-_ANGLE_DRIFT_RAD = np.deg2rad(2.0)
 #: The moving average of four looks back by one and a half samples on the mean.
 _DELAY_SAMPLES = 1.5
 
@@ -70,9 +72,9 @@ class Integrator:
         self._decimation = max(1, round(rate_hz / frame_rate_hz))
         self.dt_s = self._decimation * self._dt_sample
         self._cell = max(2, self._decimation * max(1, round(_CELL_S / self.dt_s)))  # one reading shows no noise
-        self._n_channel = 3 * len(arm.sensors)
+        self._n_channel, self._n_read = 3 * len(arm.sensors), arm.n_channel
         self._state = reckoning_of(arm, q0)
-        self._rest = RestDetector(self._contrasts(), self._gravity_slack())
+        self._rest = RestDetector(contrasts(self._state), gravity_slack(arm, self._state))
         self._state = self._state._replace(offset=self._rest.offset)  # which is learnt in place
         gravity_readings(self._state)
         self._rest_q = q0.copy()
@@ -81,7 +83,7 @@ class Integrator:
         self._sample = 0
         self._trial = 0
         self._primed = False
-        self._lost = False
+        self._lost = self._held = False
         self._phase = self._decimation // 2
         self._differences = CentralDifferences(self.dt_s, arm.n_joint)
         self._waiting = _Underived(0, 0, np.empty((0, arm.n_joint)), np.empty((0, *self._state.moved.shape)))
@@ -108,17 +110,29 @@ class Integrator:
         DataError
             If the number of columns is not three a sensor and three a gyroscope.
         """
-        if readings.ndim != 2 or readings.shape[1] != self._arm.n_channel:
-            raise DataError(f"readings have shape {readings.shape}, expected (n, {self._arm.n_channel})")
-        self._anchor_ns, self._anchor_sample = t0_ns, self._sample + len(self._pending)
-        readings = np.ascontiguousarray(readings[:, : self._n_channel], dtype=float)
-        self._pending = np.concatenate([self._pending, readings]) if len(self._pending) else readings
-        frames: list[Frames] = []
-        phases: list[Phase] = []
+        return self.push_all([(t0_ns, readings)])[0]
+
+    def push_all(self, blocks: Sequence[Block]) -> list[tuple[list[Frames], list[Phase]]]:
+        """Do `push` with blocks of readings in a row, (t0_ns, readings); return what each of them completes."""
+        end = self._sample + len(self._pending)
+        parts, ends, anchors = [self._pending] if len(self._pending) else [], [], []
+        for t0_ns, readings in blocks:
+            if readings.ndim != 2 or readings.shape[1] != self._n_read:
+                raise DataError(f"readings have shape {readings.shape}, expected (n, {self._n_read})")
+            anchors.append((t0_ns, end))
+            ends.append(end := end + len(readings))
+            parts.append(readings[:, : self._n_channel])
+        self._pending = np.ascontiguousarray(parts[0] if len(parts) == 1 else np.concatenate(parts), dtype=float)
+        completed: list[tuple[list[Frames], list[Phase]]] = [([], []) for _ in blocks]
         while len(self._pending) >= (size := self._cell - self._sample % self._cell):
-            self._advance(size, frames, phases)
+            done = self._stride(ends, anchors, completed) if size == self._cell else 0
+            if not done:
+                k = bisect_left(ends, self._sample + size)
+                self._anchor_ns, self._anchor_sample = anchors[k]
+                self._advance(size, *completed[k])
+        self._anchor_ns, self._anchor_sample = anchors[-1]
         self._pending = self._pending.copy()  # what is left; the readings themselves are the caller's
-        return frames, phases
+        return completed
 
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
         """Bridge samples that were lost: every sensor goes on as fast as it went.
@@ -173,6 +187,7 @@ class Integrator:
         hold = resting and (self._zero == "each-rest" or self._trial == 0)
         if hold:
             self._settle()
+        self._held = hold
         waiting = len(self._waiting.q)  # with it at the front nothing has to be put together afterwards
         q = np.empty((waiting + size // self._decimation + 1, len(state.q)))
         moved = np.empty((len(q), *state.moved.shape))
@@ -195,6 +210,61 @@ class Integrator:
             derivatives = self._differences.push(q[waiting:whole], hold)
             self._emit(_Underived(number, t_ns, q[:whole], moved[:whole]), *derivatives, frames)
         self._sample += size
+
+    def _stride(
+        self,
+        ends: Sequence[int],
+        anchors: Sequence[tuple[int, int]],
+        completed: Sequence[tuple[list[Frames], list[Phase]]],
+    ) -> int:
+        """Carry the state through the next pending cells in which nothing happens; return how many those are.
+
+        Each is completed by the block that ends with it or after it, and has its times.
+        """
+        steady = self._primed and self._rest.settled and self._felt.noise is not None
+        if not (steady and len(self._waiting.q) == 1 and self._rest.resting == self._held):
+            return 0
+        state, size, per_cell = self._state, self._cell, self._cell // self._decimation
+        n = len(self._pending) // size
+        q, moved = np.empty((1 + n * per_cell, len(state.q))), np.empty((1 + n * per_cell, *state.moved.shape))
+        q[0], moved[0] = self._waiting.q[0], self._waiting.moved[0]
+        done, window = reckon_cells(
+            state,
+            self._rest.window,
+            self._pending[: n * size],
+            size,
+            self._dt_sample,
+            self._held,
+            self._zero != "first-rest",
+            self._sample,
+            self._decimation,
+            self._phase,
+            q[1:],
+            moved[1:],
+        )
+        if not done:
+            return 0
+        self._rest.go_on(window)
+        self._felt.push(self._pending[: done * size])
+        self._pending = self._pending[done * size :]
+        rows = done * per_cell
+        dq, ddq = self._differences.push(q[1 : 1 + rows], self._held)
+        tip, number = tips_of(state.chain, q[:rows]), self._waiting.number
+        felt = self._felt.means(number, rows)
+        for k in range(done):
+            block, here = bisect_left(ends, self._sample + size), slice(k * per_cell, (k + 1) * per_cell)
+            self._anchor_ns, self._anchor_sample = anchors[block]
+            t_ns = self._time_ns(self._sample + self._phase - self._decimation - _DELAY_SAMPLES)
+            whole = (q[here], dq[here], ddq[here], tip[here], moved[here])
+            frames = Frames(
+                number + here.start, t_ns, self.dt_s, *whole, self._lost, None, felt[here], self._felt.noise
+            )
+            completed[block][0].append(frames)
+            self._lost = False
+            self._sample += size
+        last_ns = t_ns + round(per_cell * self.dt_s * 1e9)
+        self._waiting = _Underived(number + rows, last_ns, q[rows : rows + 1], moved[rows : rows + 1])
+        return done
 
     def _emit(self, known: "_Underived", dq: Floats, ddq: Floats, frames: list[Frames]) -> None:
         """Give out the frames whose derivatives are there; the last one waits for the next."""
@@ -225,27 +295,6 @@ class Integrator:
     def _time_ns(self, sample: float) -> int:
         """Return the time of a sample, as the latest push has it."""
         return self._anchor_ns + round((sample - self._anchor_sample) * self._dt_sample * 1e9)
-
-    def _gravity_slack(self) -> Floats:
-        """Return how much a drift of the angles may change what gravity shows, (3 * n_sensor,)."""
-        if all(joint.type == "prismatic" for joint in self._arm.joints):
-            return np.zeros(self._n_channel)
-        axes = axis_frames(self._arm, self._state.q)[0, :, :3, 2]
-        tilt = np.linalg.norm(np.cross(axes, self._arm.gravity_m_s2), axis=1)  # 0 for an axis along gravity
-        turning = np.array([joint.type == "revolute" for joint in self._arm.joints])
-        per_link = np.cumsum(tilt * turning) * _ANGLE_DRIFT_RAD
-        return np.repeat(per_link[self._state.link], 3)
-
-    def _contrasts(self) -> Floats:
-        """Return the differences of the two sensors of each pair, in link axes: no rest can change them."""
-        rows = []
-        for one, two in self._state.pair:
-            if one != two:
-                row = np.zeros((3, self._n_channel))
-                row[:, 3 * two : 3 * two + 3] = self._state.rotation[two]
-                row[:, 3 * one : 3 * one + 3] = -self._state.rotation[one]
-                rows.append(row)
-        return np.vstack(rows) if rows else np.zeros((0, self._n_channel))
 
 
 class _Underived(NamedTuple):

@@ -90,10 +90,14 @@ class BatchFilter(LiveFilter):
             return 0
         if not count:
             return 0
-        self._judge.note_all(shares[:count].tolist())
+        listed = shares[:count].tolist()
+        self._judge.note_all(listed)
         self._last = readings[count - 1]
         self.loss.find()
-        self.misfit += sum(sizes[:count].tolist())
-        self._strain += sum(shares[:count].tolist())
+        misfit, strain = self.misfit, self._strain
+        for size, share in zip(sizes[:count].tolist(), listed, strict=True):  # in turn, however readings come
+            misfit += size
+            strain += share
+        self.misfit, self._strain = misfit, strain
         self._strained += count
         return count

@@ -7,6 +7,8 @@ its readings contradict the arm.
 """
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 import numpy as np
 
@@ -17,7 +19,7 @@ from limbcal.compiled import compiled
 from limbcal.errors import ConfigError, DataError
 from tracking.kalman.adaptive_filter import AdaptiveFilter
 from tracking.model.decimation import Decimator
-from tracking.model.frames import Frames, Phase
+from tracking.model.frames import Block, Frames, Phase
 from tracking.model.innovation_test import Consistency
 from tracking.model.noise import StepWatch, noise_of
 from tracking.model.sensor_paths import SensorPaths
@@ -77,6 +79,7 @@ class KalmanTracker:
         self._to_wait = last + 1 + self._decimator.delay_samples
         self._filter: AdaptiveFilter | None = None
         self._sample = 0
+        self._anchor = _Anchor(0, 0)
         self._frame = 0
         self._trial = 0
         self._resting = True
@@ -105,7 +108,7 @@ class KalmanTracker:
         """
         if readings.ndim != 2 or readings.shape[1] != self._n_channel:
             raise DataError(f"readings have shape {readings.shape}, expected (n, {self._n_channel})")
-        self._anchor_ns, self._anchor_sample = t0_ns, self._sample
+        self._anchor = _Anchor(t0_ns, self._sample)
         self._sample += len(readings)
         if self._filter is None:
             self._waiting.append(readings)
@@ -114,6 +117,28 @@ class KalmanTracker:
             return self._begin()
         self._look(readings)
         return self._follow(self._decimator.push(readings))
+
+    def push_all(self, blocks: Sequence[Block]) -> list[tuple[list[Frames], list[Phase]]]:
+        """Do `push` with blocks of readings in a row; return what each of them completes.
+
+        What it gives out is the same to the bit. All blocks are handed to each kernel together, unless they change
+        what is known of the noise.
+
+        Parameters
+        ----------
+        blocks : sequence of (t0_ns, readings)
+        """
+        if self._filter is None or len(blocks) < 2:
+            return [self.push(*block) for block in blocks]
+        whole = np.concatenate([readings for _, readings in blocks])
+        if not self._watch.takes_quietly(whole):
+            return [self.push(*block) for block in blocks]
+        parts, so_far = [], 0
+        for t0_ns, readings in blocks:
+            anchor, so_far = _Anchor(t0_ns, self._sample + so_far), so_far + len(readings)
+            parts.append(_Part(anchor, self._decimator.completes(so_far)))
+        self._sample += so_far
+        return self._follow_parts(self._decimator.push(whole), parts)
 
     def gap(self, n_samples: int) -> tuple[list[Frames], list[Phase]]:
         """Bridge samples that were lost: the motion goes on as predicted, ever less certain.
@@ -183,40 +208,72 @@ class KalmanTracker:
             self._felt_noise = self._watch.noise.parts_of_mean(self._factor)
 
     def _follow(self, readings: Floats) -> tuple[list[Frames], list[Phase]]:
+        return self._follow_parts(readings, [_Part(self._anchor, len(readings))])[0]
+
+    def _follow_parts(self, readings: Floats, parts: Sequence["_Part"]) -> list[tuple[list[Frames], list[Phase]]]:
+        """Take in readings, one a frame; return the motion in parts."""
         if not len(readings) or self._filter is None:
-            return [], []
+            return [([], []) for _ in parts]
         n, n_joint = len(readings), self._arm.n_joint
         course = self._filter.follow(readings)
-        phases: list[Phase] = []
-        for k, resting in enumerate(course.resting.tolist()):
-            if resting != self._resting:
-                self._resting = resting
-                self._trial += not resting
-                phases.append(Phase("end" if resting else "begin", self._time_ns(self._frame + k), self._trial))
         (q, dq, ddq, std), felt = np.empty((4, n, n_joint)), np.empty((n, self._n_acceleration))
         lost = _unpack(course.states, course.variances, readings, q, dq, ddq, std, felt)
-        frames = Frames(
-            self._frame,
-            self._time_ns(self._frame),
-            self.dt_s,
-            q,
-            dq,
-            ddq,
-            tips_of(self._chain, q),
-            self._paths.follow(q, felt, course.still),
-            self._lost or lost,
-            std,
-            readings,
-            self._felt_noise,
-        )
-        self._frame += n
-        self._lost = False
-        return [frames], phases
+        tip, points = tips_of(self._chain, q), self._paths.follow(q, felt, course.still)
+        resting, begin = course.resting.tolist(), 0
+        found: list[tuple[list[Frames], list[Phase]]] = []
+        for self._anchor, end in parts:
+            phases = self._phases(resting[begin:end])
+            here, begin = slice(begin, end), end
+            if here.start == end:
+                found.append(([], []))
+                continue
+            frames = Frames(
+                self._frame,
+                self._time_ns(self._frame),
+                self.dt_s,
+                q[here],
+                dq[here],
+                ddq[here],
+                tip[here],
+                points[here],
+                self._lost or (lost and bool(np.isnan(readings[here, 0]).any())),
+                std[here],
+                readings[here],
+                self._felt_noise,
+            )
+            self._frame += frames.n
+            self._lost = False
+            found.append(([frames], phases))
+        return found
+
+    def _phases(self, resting: Sequence[bool]) -> list[Phase]:
+        """Return where motions begin and end, by whether the arm rests in the next frames."""
+        phases: list[Phase] = []
+        for k, rests in enumerate(resting):
+            if rests != self._resting:
+                self._resting = rests
+                self._trial += not rests
+                phases.append(Phase("end" if rests else "begin", self._time_ns(self._frame + k), self._trial))
+        return phases
 
     def _time_ns(self, frame: int) -> int:
         """Return the time of a frame, as the latest push has it: it is centred on its own sample."""
         sample = frame * self._factor + self._factor // 2
-        return self._anchor_ns + round((sample - self._anchor_sample) / self._rate_hz * 1e9)
+        return self._anchor.t_ns + round((sample - self._anchor.sample) / self._rate_hz * 1e9)
+
+
+class _Anchor(NamedTuple):
+    """A sample's time and number, by which frames have theirs."""
+
+    t_ns: int
+    sample: int
+
+
+class _Part(NamedTuple):
+    """Frames that are stamped by one anchor, up to number ``end`` of those at hand."""
+
+    anchor: _Anchor
+    end: int
 
 
 @compiled

@@ -47,15 +47,23 @@ class Decimator:
             readings = np.vstack([np.repeat(readings[:1], self._half, axis=0), readings])
             self._first -= self._half
             self._begun = True
+        centre, count = self._centre - self._first, self.completes(len(readings))
         self._kept = np.concatenate([self._kept, readings])
-        centre = self._next * self.factor + self.factor // 2 - self._first
-        count = max(0, (len(self._kept) - 1 - self._half - centre) // self.factor + 1)
         frames = np.empty((count, self._n_channel))
         _filter(self._kept, self._taps, centre - self._half, self.factor, frames)
         self._next += count
         keep = min(len(self._kept), max(0, centre + count * self.factor - self._half))
         self._kept, self._first = self._kept[keep:], self._first + keep
         return frames
+
+    def completes(self, n: int) -> int:
+        """Return how many frames the next ``n`` readings will complete, once it has begun."""
+        return max(0, (self._first + len(self._kept) + n - 1 - self._half - self._centre) // self.factor + 1)
+
+    @property
+    def _centre(self) -> int:
+        """Number of the sample in the middle of the next frame."""
+        return self._next * self.factor + self.factor // 2
 
     def flush(self) -> Floats:
         """Return the frames whose own sample has come but not what follows it, and begin anew behind them."""

@@ -5,6 +5,9 @@ from typing import Literal
 
 from arm.model import Floats
 
+#: Readings (n, n_channel) in a row, and the time [ns] of the first.
+Block = tuple[int, Floats]
+
 
 @dataclass(frozen=True)
 class Frames:

@@ -112,6 +112,16 @@ class StepWatch:
         self._step = np.full(len(noise.variance), np.inf)
         self._last: Floats | None = None
 
+    def takes_quietly(self, readings: Floats) -> bool:
+        """Take in readings (n, n_channel) and return True if they show no smaller step; else leave them."""
+        if not len(readings):
+            return True
+        step = self._step.copy()
+        if _least_changes(readings[0] if self._last is None else self._last, readings, step):
+            return False
+        self._last = readings[-1].copy()
+        return True
+
     def look(self, readings: Floats) -> bool:
         """Take in readings (n, n_channel); return whether they change what is known of the noise."""
         if not len(readings):

@@ -12,6 +12,7 @@ from daemon.publishing.motion_blocks import (
     frames_message,
     raw_block_size,
     raw_message,
+    unbroken,
 )
 from protocol.plot import plot_rows, plot_step
 from tracking.model.frames import Frames
@@ -106,3 +107,13 @@ def test_every_count_can_be_had_back_from_single_precision() -> None:
     scale = 5.0 * 9.80665 / 32768
     raw = raw_message(RawSamples(0, T0_NS, 1 / 32000, (counts * scale)[:, None], 0))
     np.testing.assert_array_equal(np.rint(raw["a"][:, 0] / scale), counts)
+
+
+def test_blocks_go_together_until_one_follows_a_gap_or_another_rate() -> None:
+    a = np.zeros((2, 1))
+    blocks = [
+        RawSamples(2 * k, 0, dt_s, a, lost)
+        for k, (dt_s, lost) in enumerate([(1.0, 3), (1.0, 0), (1.0, 1), (2.0, 0)])
+    ]
+    assert [[one.sample0 for one in group] for group in unbroken(blocks)] == [[0, 2], [4], [6]]
+    assert unbroken([]) == []

@@ -115,6 +115,23 @@ def test_samples_one_by_one_give_the_same_to_the_last_bit(short, tracked, gather
     assert gather(short, *pushed(short, [1])).bytes() == tracked(short).bytes()
 
 
+def test_blocks_together_give_what_each_gives(short):
+    """Each with its own time, whether cells end with blocks or not."""
+    for size in (320, 333, 7, 1000):
+        one, other = (Integrator(short.arm, short.rate_hz, short.q[0]) for _ in range(2))
+        starts = range(0, len(short.readings), size)
+        blocks = [(round(k * short.dt_ns) + k % 7, short.readings[k : k + size]) for k in starts]
+        together = [done for k in range(0, len(blocks), 3) for done in one.push_all(blocks[k : k + 3])]
+        by_itself = [other.push(*block) for block in blocks]
+        for (frames, phases), (expected, same_phases) in zip(together, by_itself, strict=True):
+            assert phases == same_phases
+            assert [(f.frame0, f.t0_ns, f.gap) for f in frames] == [(f.frame0, f.t0_ns, f.gap) for f in expected]
+            for name in ("q", "dq", "ddq", "tip", "points", "readings"):
+                assert [getattr(f, name).tobytes() for f in frames] == [
+                    getattr(f, name).tobytes() for f in expected
+                ]
+
+
 def test_an_empty_block_changes_nothing(short, tracked, gather):
     tracker = Integrator(short.arm, short.rate_hz, short.q[0])
     assert tracker.push(0, short.readings[:0]) == ([], [])

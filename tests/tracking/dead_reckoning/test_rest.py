@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tracking.dead_reckoning.rest import WINDOW, RestDetector
+from tracking.dead_reckoning.rest import RestDetector
+from tracking.dead_reckoning.rest_cell import WINDOW
 
 STEP = 1.5e-3
 #: Two sensors on one link: their difference is judged strictly.

@@ -3,7 +3,8 @@
 import numpy as np
 import pytest
 
-from tracking.dead_reckoning.rest import WINDOW, RestDetector, _look, _share, _strays
+from tracking.dead_reckoning.rest import RestDetector
+from tracking.dead_reckoning.rest_cell import WINDOW, _share, _strays, look_at
 
 UNIT = 3e-5
 NO_CONTRAST = np.zeros((0, 2))
@@ -53,9 +54,9 @@ def test_what_is_read_too_much_is_a_mean_that_forgets() -> None:
 
 def test_a_cell_s_excess_is_its_mean_beyond_gravity() -> None:
     cell, excess = np.array([[1.0, 5.0], [1.0, 5.25], [4.0, 4.0]]), np.empty(2)
-    assert _look(cell, np.array([0.5, -1.0]), np.inf, excess) == 0.25
+    assert look_at(cell, np.array([0.5, -1.0]), np.inf, excess) == 0.25
     np.testing.assert_allclose(excess, [1.5, 5.75])
-    assert _look(cell, np.zeros(2), 0.1, excess) == 0.1
+    assert look_at(cell, np.zeros(2), 0.1, excess) == 0.1
 
 
 def test_a_trend_is_about_the_second_half_less_the_first() -> None:

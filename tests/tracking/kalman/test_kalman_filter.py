@@ -9,6 +9,7 @@ from arm.bench import Bench
 from limbcal.errors import ConfigError, DataError
 from tracking.kalman.kalman_filter import KalmanTracker
 from tracking.model.frames import Phase
+from tracking.model.noise import StepWatch
 
 #: Frames of most tests; coarser ones are as right and come sooner.
 RATE_HZ = 250.0
@@ -235,3 +236,31 @@ def test_a_gap_beyond_a_second_is_bridged_for_one(dd_arm):
         n_before = sum(len(part.q) for part in (*before, *inside) if not part.gap)
         assert (n_before, after[0].frame0) == (200, (800 + lost) // 4)
         assert after[0].gap and not any(part.gap for part in after[1:])
+
+
+def test_blocks_together_give_what_each_gives(upright_bench, monkeypatch):
+    """To the last bit, each with its own time; also while the filter begins, and where a finer step is seen."""
+    looked = []
+    original = StepWatch.takes_quietly
+    monkeypatch.setattr(StepWatch, "takes_quietly", lambda *a: looked.append(original(*a)) or looked[-1])
+    arm, rate_hz, readings = upright_bench.arm, upright_bench.rate_hz, upright_bench.readings.copy()
+    readings[len(readings) // 2 :] += 1e-4 * (np.arange(len(readings) - len(readings) // 2) % 2)[:, None]
+    one, other = (KalmanTracker(arm, rate_hz, upright_bench.q[0]) for _ in range(2))
+    size = round(0.01 * rate_hz) + 1  # frames do not end with blocks
+    starts = range(0, len(readings), size)
+    blocks = [(round(k * upright_bench.dt_ns) + k % 7, readings[k : k + size]) for k in starts]
+    together, k = [], 0
+    for n in [1, 3, 2, 4] * len(blocks):
+        together += one.push_all(blocks[k : k + n])
+        k += n
+        if k >= len(blocks):
+            break
+    by_itself = [other.push(*block) for block in blocks]
+    assert True in looked and False in looked
+    assert len(together) == len(by_itself)
+    for (frames, phases), (expected, same_phases) in zip(together, by_itself, strict=True):
+        assert phases == same_phases
+        assert [(f.frame0, f.t0_ns, f.gap) for f in frames] == [(f.frame0, f.t0_ns, f.gap) for f in expected]
+        for name in ("q", "dq", "ddq", "tip", "points", "q_std", "readings", "noise"):
+            assert [getattr(f, name).tobytes() for f in frames] == [getattr(f, name).tobytes() for f in expected]
+    assert one.consistency() == other.consistency()

@@ -35,6 +35,14 @@ def test_pieces_of_any_size_give_the_same_bytes(factor, sizes):
 
 
 @FEW
+@given(st.integers(1, 9), st.integers(1, 90), st.integers(0, 90))
+def test_it_knows_how_many_frames_readings_will_complete(factor, before, n):
+    decimator = Decimator(factor, 2)
+    decimator.push(NOISE[:before])
+    assert decimator.completes(n) == len(decimator.push(NOISE[before : before + n]))
+
+
+@FEW
 @given(st.integers(1, 12), st.integers(1, 200))
 def test_every_frame_whose_own_sample_came_is_given(factor, n):
     assert len(decimated(NOISE[:n], factor)) == len(range(factor // 2, n, factor))

@@ -112,6 +112,16 @@ def test_a_converter_s_step_is_learnt_when_something_moves():
     np.testing.assert_allclose(watch.noise.rounding, (0.5 * STEP) ** 2 / 12.0)
 
 
+def test_readings_that_show_no_smaller_step_are_taken_in():
+    watch, still = StepWatch(Noise(np.zeros(2), np.zeros(2))), np.zeros((10, 2))
+    assert watch.takes_quietly(still) and watch.takes_quietly(still[:0])
+    assert not watch.takes_quietly(still + STEP)
+    assert watch.look(still + STEP)  # which were left to it
+    assert watch.takes_quietly(still + 3.0 * STEP)
+    assert not watch.takes_quietly(still + 2.5 * STEP)  # from the last that was taken in
+    assert watch.takes_quietly(still + 2.0 * STEP)
+
+
 def bumps(sizes, cell):
     """Return a channel that stands still but for one reading in the middle of each cell, so much higher."""
     found = np.zeros((cell * len(sizes), 1))
