@@ -164,8 +164,8 @@ def _searched(equations: Equations, motions: Sequence[Motion], say: Progress) ->
     base_floor = likelihood.base_floor
     if not likelihood.is_exact(found.final, everywhere=True):
         found = with_pulses(likelihood, search, found)
-    regression, model = likelihood.regression, found.final.candidate.model
     found = with_equals(likelihood, found)
+    regression, model = likelihood.regression, found.final.candidate.model
     base = fitted(regression, Model())
     final = with_likeliest_pulses(regression, fitted(regression, model)) if model.hypotheses else base
     return likelihood, Search(

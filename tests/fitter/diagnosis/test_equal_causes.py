@@ -1,9 +1,12 @@
 """Equals of a cause are those that are as likely beside all the other causes."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from fitter.diagnosis.equal_causes import with_equals
+from fitter.diagnosis.evidence import penalised_log_likelihood
 from fitter.diagnosis.search import cause_of
 from fitter.diagnosis.stepwise import Found, Step
 from tests.fitter.diagnosis.linear import Columns, LinearLikelihood
@@ -43,3 +46,25 @@ def test_what_was_as_likely_while_much_was_unexplained_may_be_so_no_more():
     after = with_equals(likelihood, before)
     assert after.steps[0].equals == ()
     assert after.final is before.final and after.steps[1] == before.steps[1]
+
+
+def test_of_equals_the_likeliest_beside_the_others_is_named():
+    likelihood, before = found(1e-3)
+    other = likelihood.fit_of(RIVAL, LATER)
+    wrong = [before, replace(before, final=other, steps=(exchanged(before.steps[0]), before.steps[1]))]
+    likeliest = max((before.final, other), key=penalised_log_likelihood).candidate.model.hypotheses[0]
+    for one in wrong:
+        after = with_equals(likelihood, one)
+        hypotheses = after.final.candidate.model.hypotheses
+        assert hypotheses == tuple(step.hypothesis for step in after.steps)
+        assert set(hypotheses) == {likeliest, LATER}
+        cause = cause_of(hypotheses.index(likeliest), after)
+        assert cause.itself.hypothesis is likeliest
+        assert [one.hypothesis for one in cause.rivals] == [RIVAL if likeliest is CAUSE else CAUSE]
+        assert cause.support[0] >= cause.support[1]
+
+
+def exchanged(step: Step) -> Step:
+    """Return a step with its equal as its cause."""
+    (equal,) = step.equals
+    return replace(step, hypothesis=equal.candidate.hypothesis, fit=equal, equals=(step.fit,))
