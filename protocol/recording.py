@@ -12,9 +12,9 @@ from pathlib import Path
 from types import TracebackType
 
 from mcap.well_known import SchemaEncoding
+from mcap.writer import CompressionType, Writer
 
 from limbcal.errors import DeviceError, ProtocolError
-from protocol.chunked_writer import ChunkedWriter
 from protocol.recorded_json import JSON_ENCODING, JSON_TOPICS, json_messages, recorded_schema
 from protocol.schemas import schema_json
 
@@ -67,11 +67,11 @@ class RecordingWriter:
         self.unsafe = self._safe_bytes = 0
         with self._disk():
             self._file = self.path.open("xb")
-        self._writer = ChunkedWriter(self._file, CHUNK_BYTES)
+        self._writer = Writer(self._file, chunk_size=CHUNK_BYTES, compression=CompressionType.ZSTD)
         with self._disk():
-            self._writer.start("limbcal")
+            self._writer.start(profile="limbcal")
             for name, text in ((ARM_ATTACHMENT, arm_toml), (CONFIG_ATTACHMENT, config_toml)):
-                self._writer.add_attachment(name, "application/toml", text.encode())
+                self._writer.add_attachment(0, 0, name, "application/toml", text.encode())
             self._sync()
             _sync_directory(self.path.parent)
         self._flushed_s = self._synced_s = clock()
@@ -142,7 +142,7 @@ class RecordingWriter:
                     raise ProtocolError(f"{topic}: time of the message is {t_ns} ns, expected 0 to 2**64 - 1")
                 channel = self._channels.get((topic, encoding)) or self._channel(topic, data, encoding)
                 sequence = self._sequences.get(topic, 0)
-                self._writer.add_message(channel, t_ns, data, sequence % (1 << 32))
+                self._writer.add_message(channel, t_ns, data, t_ns, sequence % (1 << 32))
                 self._sequences[topic] = sequence + 1
             self.unsafe += 1
             self._flush_if_due()
@@ -175,7 +175,7 @@ class RecordingWriter:
             return
         self._finished = True
         with self._disk():
-            self._writer.finish()
+            self._writer.finish()  # type: ignore[no-untyped-call]
             self._file.flush()
             self.unsafe, self._safe_bytes = 0, self._file.tell()
             os.fsync(self._file.fileno())
@@ -190,7 +190,7 @@ class RecordingWriter:
         self.close()
 
     def _flush(self) -> None:
-        self._writer.flush()
+        self._writer.flush()  # type: ignore[no-untyped-call]
         self.unsafe, self._safe_bytes = 0, self._file.tell()
 
     def _sync(self) -> None:
