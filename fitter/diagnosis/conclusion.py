@@ -77,7 +77,7 @@ def finding_of(
     found = plain if final is search.base else numbers
     rivals = {}
     if final is not search.base:
-        rivals = {id(one): estimates(regression, one) for cause in search.causes for one in cause.rivals}
+        rivals = {id(one): estimates(regression, one) for cause in search.causes for one in cause.beside}
         found = averaged(search, found, rivals)
     extended = base_arm if final is search.base else extended_arm(regression, final, found)
     judging = [motion for motion in motions if not motion.learn]
@@ -157,7 +157,7 @@ def _causes(
         hypothesis = search.final.model.hypotheses[cause.place]
         named = _named(motions, hypothesis, found.effects[cause.place], cause.support[0], taken)
         listed += pushes_of(motions, named) if isinstance(hypothesis, DisturbancePulses) else [named]
-        for rival, share in zip(cause.rivals, cause.support[1:], strict=True):
+        for rival, share in zip(cause.beside, cause.support[1:], strict=True):
             own = rivals[id(rival)].effects[-1]
             listed.append(replace(_named(motions, rival.hypothesis, own, share, {}), in_stead=True))
     return listed

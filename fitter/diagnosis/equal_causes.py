@@ -21,10 +21,11 @@ def with_equals(likelihood: Likelihood, found: Found) -> Found:
     """
     for step in found.steps:
         found = _with_likeliest(likelihood, found, found.steps.index(step))
-    steps = [
-        replace(step, equals=tuple(beside for _, beside in _equals(likelihood, found, place)))
-        for place, step in enumerate(found.steps)
-    ]
+    steps = []
+    for place, step in enumerate(found.steps):
+        pairs = _equals(likelihood, found, place)
+        equals, beside = tuple(one for one, _ in pairs), tuple(other for _, other in pairs)
+        steps.append(replace(step, equals=equals, beside=beside))
     return replace(found, steps=tuple(steps))
 
 

@@ -30,11 +30,11 @@ def averaged(search: Search, found: Estimates, rivals: dict[int, Estimates]) -> 
     found : Estimates
         Of its final model.
     rivals : dict from int to Estimates
-        Of every cause's rivals, by their candidates' ids.
+        Of every cause's rivals beside all other causes, by their candidates' ids.
     """
     std, effects = found.std.copy(), [dict(one) for one in found.effects]
     for cause in search.causes:
-        for rival, probability in zip(cause.rivals, cause.support[1:], strict=True):
+        for rival, probability in zip(cause.beside, cause.support[1:], strict=True):
             own = rivals[id(rival)]
             std = _widened(found, std, own, probability)
             for k, other in _shared(search.final, cause.place, rival):

@@ -26,13 +26,15 @@ class Cause:
     before, itself : Candidate
         Without and with it.
     rivals : sequence of Candidate
-        As likely beside all other causes, with as many numbers.
+        As likely, with as many numbers.
     larger : sequence of Candidate
-        As likely there, with more numbers.
+        As likely, with more numbers.
     beaten : sequence of Candidate
         All others, the likeliest first.
     support : sequence of float
-        Of it and of each rival: the likelihoods' ratios, one in all.
+        Of it and of each rival: the likelihoods' ratios beside all other causes, one in all.
+    beside : sequence of Candidate
+        The rivals beside all other causes, in their order.
     """
 
     place: int
@@ -42,6 +44,7 @@ class Cause:
     larger: Sequence[Candidate] = ()
     beaten: Sequence[Candidate] = ()
     support: Sequence[float] = (1.0,)
+    beside: Sequence[Candidate] = ()
 
     def takes_away(self, which: Sequence[bool]) -> float:
         """Return the share of the squared residual of some trials that it takes away."""
@@ -93,18 +96,20 @@ def cause_of(place: int, found: Found) -> Cause:
     An equal that was accepted as a further cause is none.
     """
     step, named = found.steps[place], {one.hypothesis.key for one in found.steps}
-    equals = [one for one in step.equals if one.candidate.hypothesis.key not in named]
-    rivals = [one for one in equals if one.n_number == found.final.n_number]
-    larger = [one for one in equals if one.n_number != found.final.n_number]
-    alike = {step.hypothesis.key, *(one.candidate.hypothesis.key for one in equals)}
+    pairs = zip(step.equals, step.beside, strict=True)
+    equals = [(one, beside) for one, beside in pairs if one.candidate.hypothesis.key not in named]
+    rivals = [(one, beside) for one, beside in equals if beside.n_number == found.final.n_number]
+    larger = [one for one, beside in equals if beside.n_number != found.final.n_number]
+    alike = {step.hypothesis.key, *(one.candidate.hypothesis.key for one, _ in equals)}
     return Cause(
         place,
         step.before.candidate,
         step.fit.candidate,
-        [one.candidate for one in rivals],
+        [one.candidate for one, _ in rivals],
         [one.candidate for one in larger],
         [one.candidate for one in step.options if one.candidate.hypothesis.key not in alike],
-        supports([found.final, *rivals]),
+        supports([found.final, *(beside for _, beside in rivals)]),
+        [beside.candidate for _, beside in rivals],
     )
 
 

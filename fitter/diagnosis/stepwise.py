@@ -64,7 +64,9 @@ class Step:
     log_evidence : float
         Then [nats].
     equals : tuple of Fit
-        Models with another hypothesis in its place that are as likely.
+        Models with another hypothesis in its place that are as likely…
+    beside : tuple of Fit
+        … and each of these beside all causes that were found.
     options : tuple of Fit
         All that were tried in its stead, the likeliest first.
     """
@@ -75,6 +77,7 @@ class Step:
     log_evidence: float
     equals: tuple[Fit, ...] = ()
     options: tuple[Fit, ...] = ()
+    beside: tuple[Fit, ...] = ()
 
 
 @dataclass(frozen=True)

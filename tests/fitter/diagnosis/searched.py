@@ -6,6 +6,7 @@ from arm.model import Effect
 from fitter.data.motions import Measured
 from fitter.data.trials import to_trials
 from fitter.diagnosis import error_floor
+from fitter.diagnosis.equal_causes import with_equals
 from fitter.diagnosis.model import Hypothesis, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
@@ -40,7 +41,7 @@ def found_in(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Torqu
 def searched(regression: Regression, tried: Sequence[Hypothesis]) -> tuple[Regression, Search]:
     """Return the same as it is judged, with the equations under the weights of the final model."""
     likelihood, found = found_in(regression, tried)
-    weighted = likelihood.regression
+    weighted, found = likelihood.regression, with_equals(likelihood, found)
     return weighted, Search(
         fitted(weighted, Model()),
         fitted(weighted, found.final.candidate.model),

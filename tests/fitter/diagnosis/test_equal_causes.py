@@ -32,11 +32,11 @@ def found(apart: float) -> tuple[LinearLikelihood, Found]:
 def test_an_equal_has_its_numbers_beside_the_other_causes():
     likelihood, before = found(1e-3)
     after = with_equals(likelihood, before)
-    (equal,) = after.steps[0].equals
-    assert equal.candidate.model.hypotheses == (LATER, RIVAL)
+    (equal,), (alone,) = after.steps[0].beside, after.steps[0].equals
+    assert equal.candidate.model.hypotheses == (LATER, RIVAL) and alone.candidate.model.hypotheses == (RIVAL,)
     assert equal.candidate.x == pytest.approx([40.0, 1.0], abs=0.1)
     cause = cause_of(0, after)
-    assert [one.hypothesis for one in cause.rivals] == [RIVAL]
+    assert [one.hypothesis for one in cause.rivals] == [one.hypothesis for one in cause.beside] == [RIVAL]
     assert cause.support == pytest.approx([0.5, 0.5], abs=0.1)
     assert cause.beaten == []
 
@@ -44,7 +44,7 @@ def test_an_equal_has_its_numbers_beside_the_other_causes():
 def test_what_was_as_likely_while_much_was_unexplained_may_be_so_no_more():
     likelihood, before = found(0.5)
     after = with_equals(likelihood, before)
-    assert after.steps[0].equals == ()
+    assert after.steps[0].equals == after.steps[0].beside == ()
     assert after.final is before.final and after.steps[1] == before.steps[1]
 
 

@@ -40,7 +40,7 @@ def searched(support: list[float]) -> tuple[Search, Candidate]:
         candidate(("joint_spring", 0), ("quadratic_drag", 1)),
     )
     base = candidate()
-    causes = [Cause(0, base, final), Cause(1, base, final, [rival], support=support)]
+    causes = [Cause(0, base, final), Cause(1, base, final, [rival], support=support, beside=[rival])]
     return Search(base, final, causes, base, (), (), None, None), rival  # type: ignore[arg-type]
 
 

@@ -37,7 +37,7 @@ def cause():
     tried = [Columns(0), Columns(1), Columns(0, 2), Columns(3)]
     likelihood = LinearLikelihood(A, 2.0 * A[:, 0] + rng.normal(size=800), tried)
     fits = [likelihood.fit_of(one) for one in tried]
-    step = Step(tried[0], fits[0], likelihood.base(), 50.0, (fits[1], fits[2]), tuple(fits))
+    step = Step(tried[0], fits[0], likelihood.base(), 50.0, (fits[1], fits[2]), tuple(fits), (fits[1], fits[2]))
     return cause_of(0, Found(likelihood.base(), fits[0], (step,), ())), tried
 
 
