@@ -28,7 +28,7 @@ _LEAP_RAD = 0.1
 _SAVES = 2.0 * math.log(10.0)
 #: The search from another posture ends where a step saves less: a hundredth of what decides. The best is finished.
 _HARDLY_SAVES = 0.01 * _SAVES
-#: A search ends where a step saves less than this share of the cost.
+#: A search ends where a step saves less than this fraction of the cost.
 _SETTLED_SHARE = 1e-9
 #: A frame begins anew where its markers are farther off than this, in standard deviations, rms over them.
 _FAR = 5.0
