@@ -61,9 +61,9 @@ def with_likeliest_pulses(regression: Regression, final: Candidate) -> Candidate
     factors = np.split(final.x[n_base:], np.cumsum([one.n_column for one in model.hypotheses])[:-1])
     now = [
         pulse
-        for one, psi, own in zip(model.hypotheses, model.psi, factors, strict=True)
+        for one, own in zip(model.hypotheses, factors, strict=True)
         if isinstance(one, DisturbancePulses)
-        for pulse in one.pulses(psi, own)
+        for pulse in one.pulses(own)
     ]
     likeliest = at_likeliest(residual_torques(regression, without_pulses(final)), now)
     moved, x = Model(), [final.x[:n_base]]

@@ -1,4 +1,4 @@
-"""Pushes as a hypothesis: impulses and ends that are fitted, and names that tell them apart."""
+"""Pushes as a hypothesis: impulses that are fitted where they were found, and names by number."""
 
 from dataclasses import replace
 from types import SimpleNamespace
@@ -23,47 +23,42 @@ def resting(n=300):
     return SimpleNamespace(trial=trial, t=t, dt_s=0.01, q=q, dq=q, ddq=q, u=q + 1.0, direction=q)
 
 
-def acting(hypothesis, psi, motion=None):
+def acting(hypothesis, motion=None):
     motion = motion or resting()
-    hypothetical = hypothesis.act(as_measured(motion, None), psi)
+    hypothetical = hypothesis.act(as_measured(motion, None), np.zeros(0))
     assert np.all(hypothetical.u == 1.0)
     return hypothetical.columns[0]
 
 
 def test_a_push_is_an_impulse_beside_the_drives():
     pushes = DisturbancePulses(KIND, 1, [PULSE, OTHER])
-    columns = acting(pushes, pushes.starts([])[0])
+    columns = acting(pushes)
     assert columns.shape == (300, 2, 2) and np.all(columns[:, 0] == 0.0)
     np.testing.assert_allclose(0.01 * columns[:, 1].sum(axis=0), -1.0)
     assert columns[110, 1, 0] == pytest.approx(-1.0 / 0.2)
 
 
-def test_its_ends_move_with_psi():
+def test_a_push_is_where_it_was_found():
     push = DisturbancePulses(KIND, 0, [PULSE])
-    assert push.n_number == 3 and np.all(push.low < 1.0) and np.all(push.high > 1.0)
-    column = acting(push, np.array([0.9, 1.2]))[:, 0, 0]
-    assert np.flatnonzero(column)[[0, -1]].tolist() == [98, 124]
-    assert push.numbers(np.array([0.9, 1.2]), np.array([0.52])) == pytest.approx([0.98, 0.26, 2.0])
+    assert push.n_number == 3 and len(push.starts([])[0]) == 0
+    assert np.flatnonzero(acting(push)[:, 0, 0])[[0, -1]].tolist() == [100, 120]
+    assert push.numbers(np.zeros(0), np.array([0.52])) == pytest.approx([1.0, 0.2, 2.6])
 
 
-def test_only_the_push_that_moved_is_filtered_anew(monkeypatch):
+def test_its_column_is_filtered_once_a_motion(monkeypatch):
     made, motion, push = list[object](), resting(), DisturbancePulses(KIND, 1, [PULSE, OTHER])
     monkeypatch.setattr(
         "fitter.diagnosis.disturbance_pulses.behind_filter",
         lambda *given: made.append(given) or behind_filter(*given),
     )
-    for psi in (np.ones(4), np.array([1.0, 1.0, 1.2, 1.0])):
-        again = DisturbancePulses(KIND, 1, [PULSE, OTHER])
-        np.testing.assert_array_equal(acting(push, psi, motion), acting(again, psi))
-    assert len([one for one in made if one[0] is motion]) == 3
+    np.testing.assert_array_equal(acting(push, motion), acting(push, motion))
+    assert len(made) == 2
     short = resting(50)  # over before either begins
-    assert not np.any(acting(push, np.ones(4), short))
+    assert not np.any(acting(push, short))
 
 
-def test_an_unseen_end_is_not_fitted():
-    push = DisturbancePulses(KIND, 0, [replace(PULSE, unseen_s=(0.12, 0.0))])
-    assert push.n_number == 2
-    assert push.numbers(np.array([1.5]), np.array([1.5])) == pytest.approx([1.0, 0.3, 5.0])
+def test_an_unseen_end_is_no_number():
+    assert DisturbancePulses(KIND, 0, [replace(PULSE, unseen_s=(0.12, 0.0))]).n_number == 2
 
 
 def test_its_errors_are_those_with_which_it_was_found():
@@ -72,12 +67,12 @@ def test_its_errors_are_those_with_which_it_was_found():
     assert push.standard_errors(np.full(3, 9.0), []).tolist() == errors
 
 
-def test_pulses_are_where_psi_and_impulses_have_them():
+def test_pulses_have_the_torques_of_their_impulses():
     push = DisturbancePulses(KIND, 1, [PULSE, OTHER])
-    psi, impulses = np.array([1.0, 1.2, 0.9, 1.0]), np.array([0.8, -0.3])
-    found = push.pulses(psi, impulses)
+    impulses = np.array([0.8, -0.3])
+    found = push.pulses(impulses)
     numbers = [(one.start_s, one.duration_s, one.torque_N_m) for one in found]
-    assert np.ravel(numbers) == pytest.approx(push.numbers(psi, impulses))
+    assert np.ravel(numbers) == pytest.approx(push.numbers(np.zeros(0), impulses))
     assert [one.form for one in found] == [PULSE.form, OTHER.form]
 
 
@@ -100,7 +95,7 @@ def test_the_torque_of_a_push_that_begins_unseen_is_determined():
 
 def test_each_of_several_has_its_own_numbers():
     pushes = DisturbancePulses(KIND, 0, [PULSE, OTHER])
-    assert pushes.numbers(np.ones(4), np.array([1.0, -2.4])) == pytest.approx([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
+    assert pushes.numbers(np.zeros(0), np.array([1.0, -2.4])) == pytest.approx([1.0, 0.2, 5.0, 1.5, 0.4, -6.0])
     assert pushes.names[:3] == ("start_s_1", "duration_s_1", "torque_N_m_1")
     assert len(pushes.units_at("revolute")) == 6
     assert DisturbancePulses(KIND, 0, [PULSE]).names == ("start_s", "duration_s", "torque_N_m")
