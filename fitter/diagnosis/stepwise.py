@@ -143,7 +143,9 @@ class Stepwise:
             self._progress(len(steps))
         if first:  # the weights are those of what was tried last, and was not accepted
             fit = self._likelihood.reweighted(fit)
-        fit, steps = self._confirmed(*self._exchanged(fit, steps))
+        other, steps = self._exchanged(fit, steps)
+        # The last cause was accepted beside exactly these: asked again, a tie would come out by chance.
+        fit, steps = self._confirmed(other, steps, asked=len(steps) - 1 if other is fit else len(steps))
         return Found(base, fit, tuple(steps), first)
 
     def extended(self, found: Found, fit: Fit) -> Found | None:
@@ -311,16 +313,20 @@ class Stepwise:
                 fit, steps = self._likelihood.reweighted(better), [*steps[:place], *steps[place + 1 :], new]
         return fit, steps
 
-    def _confirmed(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
-        """Return a model without the causes that trials not learnt from contradict, now that all are in."""
-        while steps:
-            smaller = [self._likelihood.without(fit, place) for place in range(len(steps))]
-            contradicted = [place for place in range(len(steps)) if not fit.helps(smaller[place])]
+    def _confirmed(self, fit: Fit, steps: list[Step], asked: int) -> tuple[Fit, list[Step]]:
+        """Return a model without the causes that trials not learnt from contradict, now that all are in.
+
+        The first ``asked`` are asked for; once one has gone, all of those that remain.
+        """
+        while asked > 0:
+            smaller = [self._likelihood.without(fit, place) for place in range(asked)]
+            contradicted = [place for place in range(asked) if not fit.helps(smaller[place])]
             if not contradicted:
                 break
             weakest = min(contradicted, key=lambda place: fit.held_out(smaller[place]))
             fit = self._likelihood.reweighted(smaller[weakest])
             steps = [one for k, one in enumerate(steps) if k != weakest]
+            asked = len(steps)
         return fit, steps
 
 

@@ -90,6 +90,27 @@ def test_what_trials_held_back_contradict_is_not_possible(seed):
     assert search.possible(search.run().base) == []
 
 
+class TiedAtTheEnd(LinearLikelihood):
+    """When no more is found, unfitted trials are as likely without a cause as with it."""
+
+    def options(self, fit):
+        found = super().options(fit)
+        self.is_over = not found
+        return found
+
+    def without(self, fit, place):
+        smaller = super().without(fit, place)
+        return replace(smaller, residual=fit.residual) if self.is_over else smaller
+
+
+@given(SEEDS)
+@settings(max_examples=10, deadline=None)
+def test_a_cause_is_held_against_unfitted_trials_once(seed):
+    A, noise = drawn(seed, 1)
+    found = Stepwise(TiedAtTheEnd(A, A[:, 0] + noise, [Columns(0)]), 1, MOST).run()
+    assert columns_of(found) == [(0,)]
+
+
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
 def test_what_was_sought_elsewhere_is_judged_as_any_cause(seed):
