@@ -229,18 +229,6 @@ def limb_of_body(person: Body, name: str) -> Arm:
     return limb(replace(person, preset=f"human-{name.replace('_', '-')}"), "thorax", shank_turns=True)
 
 
-def joint_places(arm: Arm) -> dict[str, tuple[int, Floats]]:
-    """Return where the first joint of every branch but the pelvis hangs.
-
-    Returns
-    -------
-    mapping of str to (link, (3,) [m])
-        By branch: the link, from 0, and the place in its joint-axis frame, such as the hip's centre in the pelvis.
-    """
-    firsts = {name: branch.first for name, branch in BRANCHES.items() if branch.first}
-    return {name: (arm.parents[k], np.array(arm.joints[k].parent_position_m)) for name, k in firsts.items()}
-
-
 def body_landmarks(arm: Arm) -> dict[str, tuple[int, Floats]]:
     """Return where bony landmarks are, about: starting values for a calibration and nothing more.
 

@@ -12,15 +12,10 @@ from arm.kinematics import tip_position
 from arm.model import Friction
 from arm.newton_euler import bias_torque, forward_dynamics, inverse_dynamics, mass_matrix
 from limbcal.errors import DataError
+from tests.arm.closeness import close
 
 FEW = settings(max_examples=40, deadline=None)
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def close(found, expected, tolerance=1e-9):
-    """Assert equality to a share of the largest number that is expected."""
-    scale = max(1.0, float(np.abs(expected).max(initial=0.0)))
-    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * scale)
 
 
 def without_friction(arm):

@@ -11,15 +11,10 @@ from arm.kinematics import axis_frames
 from arm.newton_euler import inverse_dynamics
 from arm.outer_wrench import outer_joint_torque, point_motion, touched_forward_dynamics, touched_inverse_dynamics
 from limbcal.errors import DataError
+from tests.arm.closeness import close
 
 FEW = settings(max_examples=40, deadline=None)
 SEEDS = st.integers(0, 2**32 - 1)
-
-
-def close(found, expected, tolerance=1e-9):
-    """Assert equality to a share of the largest number that is expected."""
-    scale = max(1.0, float(np.abs(expected).max(initial=0.0)))
-    np.testing.assert_allclose(found, expected, rtol=0, atol=tolerance * scale)
 
 
 def draw(random_arm, rng, branching, n_joint=None):

@@ -27,7 +27,7 @@ def all_gone(processes: list[psutil.Process]) -> bool:
 
 
 def test_it_calibrates_and_plays(tmp_path):
-    with started(tmp_path, "--trials", "6", "--speed", "1.5", "--seed", "3", "--rate-hz", "4000") as job:
+    with started(tmp_path, "--trials", "6", "--speed", "3", "--seed", "3", "--rate-hz", "4000") as job:
         said = job.communicate(timeout=PATIENCE_S)[0]
     assert job.returncode == 0, said
     assert "trial 6: " in said and "kept for evaluation" in said

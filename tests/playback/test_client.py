@@ -12,6 +12,7 @@ from playback.control_message import Request, decode_request, encode_reply
 from playback.control_socket import ControlSocket
 from protocol.curve import gate_of, load_client_key, new_client
 from tests.patience import PATIENCE_MS
+from tests.playback.served import served
 
 ENDPOINT = "inproc://control"
 
@@ -53,20 +54,7 @@ def test_who_has_a_key_is_let_in_and_nobody_else(tmp_path: Path) -> None:
     file = new_client(tmp_path / "keys", "desk", tmp_path / "desk.limbkey")
     with zmq.Context() as context, gate_of(context, tmp_path / "keys") as gate:
         socket = ControlSocket(context, "tcp://127.0.0.1:*", lambda _: encode_reply({}), gate)
-        over = threading.Event()
-
-        def serve() -> None:
-            while not over.is_set():
-                if socket.socket.poll(10):
-                    socket.serve()
-
-        thread = threading.Thread(target=serve)
-        thread.start()
-        try:
+        with served(socket):
             with pytest.raises(DeviceError, match="expected a `limbplay serve` there, and --key"):
                 ask(context, socket.endpoint, Request("state"), 50)
             assert ask(context, socket.endpoint, Request("state"), PATIENCE_MS, load_client_key(file))["ok"]
-        finally:
-            over.set()
-            thread.join()
-            socket.close()

@@ -3,7 +3,6 @@
 import json
 import os
 import signal
-import socket
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -23,6 +22,7 @@ from protocol.serial_frame import encode_samples
 from protocol.subscriber import Subscriber
 from tests.daemon.conftest import SCALE, device_info, resting_counts
 from tests.daemon.monitoring.test_metrics import scrape
+from tests.free_port import free_port
 from tests.patience import PATIENCE_MS
 
 Limbd = Callable[..., Any]
@@ -32,12 +32,6 @@ ANY_ENDPOINT = ("--endpoint", "tcp://127.0.0.1:*")
 #: Where it does not matter how motion is tracked: the paper's method is loaded in half the time.
 PLAIN = (*ANY_ENDPOINT, "--method", "integrate")
 COUNT = 5.0 * 9.80665 / 32768
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 @pytest.fixture

@@ -3,21 +3,10 @@
 import numpy as np
 import pytest
 
-from arm.drive_state import DriveState
 from fitter.data.derivatives import lowpass
 from fitter.data.trial import Trial
 from fitter.data.trial_filter import choose_cutoff_hz, lowpass_trial, trimmed_samples
-from tests.fitter.data.random_columns import CLOCK, DDQ, DQ, DT_S, TAU, N, Q, uniform
-
-
-@pytest.fixture
-def full():
-    state = DriveState(np.ones((N, 2), dtype=bool), Q, DQ)
-    return Trial(
-        *("run", CLOCK, DT_S, Q, DQ, DDQ, TAU, Q + 1.0, np.hstack([Q, TAU[:, :1]])),
-        **{"points": np.stack([Q, TAU], axis=2), "ref_filtered": Q + 2.0, "tau_measured": TAU - 1.0},
-        **{"drives": state, "contradicted": Q > 0.0, "trimmed": 5, "began_s": 3.0, "whole": {"q": Q, "on": Q}},
-    )
+from tests.fitter.data.random_columns import CLOCK, DDQ, DQ, DT_S, N, Q, uniform
 
 
 def test_lowpass_trial_trims_what_it_filters_and_what_it_does_not(full):

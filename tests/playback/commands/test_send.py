@@ -3,7 +3,6 @@
 import json
 import subprocess
 import sys
-import threading
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -14,6 +13,7 @@ import zmq
 from playback.__main__ import main
 from playback.control_message import decode_request, encode_refusal, encode_reply
 from playback.control_socket import ControlSocket
+from tests.playback.served import served
 
 STATE = {"trial": 2, "lateness_ms": {"p50": 0.5}}
 Asked = Callable[..., tuple[int, list[Any]]]
@@ -32,24 +32,13 @@ def asked(tmp_path: Path) -> Iterator[Asked]:
 
     with zmq.Context() as context:
         socket = ControlSocket(context, f"ipc://{tmp_path}/control", answer)
-        over = threading.Event()
-
-        def serve() -> None:
-            while not over.is_set():
-                if socket.socket.poll(10):
-                    socket.serve()
-
-        thread = threading.Thread(target=serve)
-        thread.start()
 
         def send(*arguments: str) -> tuple[int, list[Any]]:
             requests.clear()
             return main(["send", *arguments, "--control", socket.endpoint]), [*requests]
 
-        yield send
-        over.set()
-        thread.join()
-        socket.close()
+        with served(socket):
+            yield send
 
 
 @pytest.mark.parametrize(

@@ -10,13 +10,8 @@ import pytest
 from limbcal.errors import DeviceError
 from playback.view.server import on_loop, web_server
 from playback.view.visitors import Visitors
+from tests.free_port import free_port
 from tests.patience import PATIENCE_S
-
-
-def free_port() -> int:
-    with socket.socket() as probe:
-        probe.bind(("127.0.0.1", 0))
-        return int(probe.getsockname()[1])
 
 
 def test_it_serves_where_it_was_asked_to_and_says_nothing_of_it(capfd: pytest.CaptureFixture[str]) -> None:
