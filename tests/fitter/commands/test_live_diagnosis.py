@@ -2,16 +2,13 @@
 
 import json
 from dataclasses import replace
-from functools import partial
 
 import pytest
 import zmq
 
 from arm.arm_file import load_arm, save_arm
 from arm.model import Tip
-from fitter.commands import live_diagnosis
 from fitter.commands.live_diagnosis import parted
-from fitter.diagnosis.diagnosis import diagnose
 from limbcal.errors import DataError
 from protocol.message import DIAGNOSIS, TRIAL
 from protocol.subscriber import Subscriber
@@ -21,10 +18,6 @@ FIELDS = (
     "verdict complete left causes candidates confusable next_experiment before after gain residual explained "
     "structure suspected notes polished polish judged"
 )
-
-
-#: Rate to which the motions are resampled [Hz], for the time's sake; frames come at 1000 Hz.
-RATE_HZ = 40.0
 
 
 def heard(subscriber, topic):
@@ -44,8 +37,7 @@ def upper_run():
     return run_of(replace(arm, name="upper-arm", joints=arm.joints[:1], sensors=sensors, control=control, tip=tip))
 
 
-def test_the_diagnosis_is_published_and_written(fitter, stream, place, upper_run, tmp_path, monkeypatch):
-    monkeypatch.setattr(live_diagnosis, "diagnose", partial(diagnose, rate_hz=RATE_HZ))
+def test_the_diagnosis_is_published_and_written(fitter, stream, place, upper_run, tmp_path):
     endpoint, arm_file = f"ipc://{place}/fits", tmp_path / "arm.toml"
     save_arm(upper_run.arm, arm_file)
     with (
