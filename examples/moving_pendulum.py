@@ -207,7 +207,7 @@ def run(arm: Arm, folder: Path, pattern: str, learnt: Sequence[str], method: str
     length, places = found.arm.joints[0], [s.position_m[0] for s in found.arm.sensors]
     emit(f"length {length.a_m:.4f} +- {length.length_std_m:.4f} m, sensors at {places[0]:.4f}, {places[1]:.4f} m")
     heads = ("off the cameras [deg]", "within 3 std [%]", "off gyros, levelled", "within 3 std [%]")
-    heads = (*heads, "off gyros", "cameras off gyros")
+    heads = (*heads, "off gyros", "cameras off gyros", "… off levelled ones")
     emit(f"{'trial':16}" + "".join(f"{head:>23}" for head in heads))
     rows = []
     for name in track(names, "tracking", console=console, transient=True):
@@ -226,12 +226,13 @@ def judged(trial: Trial, q: Floats, std: Floats) -> list[Floats]:
         off = misses(trial, reference, q)
         within = 100.0 * np.mean(np.abs(off) < 3.0 * std[inside_of(trial)], axis=0)
         row += [np.degrees(np.abs(off).mean(axis=0)), within]
-    return [*row, off_gyros(trial, q), off_gyros(trial, trial.q)]
+    cameras = np.degrees(np.abs(misses(trial, trial.q, at_level(trial))).mean(axis=0))
+    return [*row, off_gyros(trial, q), off_gyros(trial, trial.q), cameras]
 
 
 def line(name: str, row: Sequence[Floats]) -> str:
     """Return a line of the table."""
-    digits = (2, 0, 2, 0, 2, 2)
+    digits = (2, 0, 2, 0, 2, 2, 2)
     cells = [f"{a:.{places}f}, {b:.{places}f}" for (a, b), places in zip(row, digits, strict=True)]
     return f"{name:16}" + "".join(f"{cell:>23}" for cell in cells)
 

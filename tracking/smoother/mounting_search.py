@@ -30,12 +30,15 @@ class Mounting(NamedTuple):
         Of each sensor that is turned: which axes of the file's its x, y and z are, such as ``y -x z``.
     undecided : list of str
         What the readings could not tell, a sentence each.
+    is_found : bool
+        Whether in some orientation lengths and places are near the file's; otherwise axes are the file's.
     """
 
     arm: Arm
     prior: MountingPrior
     axes: dict[str, str]
     undecided: list[str]
+    is_found: bool = True
 
 
 def likely_mounting(
@@ -62,7 +65,7 @@ def likely_mounting(
     ways = likely_orientations(arm, readings, q, given, ROUGH, progress)
     best = ways[0]
     if not best.is_near:  # a model that does not describe these readings prefers any axes to others
-        return Mounting(arm, prior, {}, [_NONE_NEAR])
+        return Mounting(arm, prior, {}, [_NONE_NEAR], False)
     as_told = log_likelihood(arm, readings, q, given, prior)
     if not np.isfinite(best.log_likelihood) or as_told > best.log_likelihood - EQUAL_NATS:
         return Mounting(arm, prior, {}, [])

@@ -5,6 +5,11 @@ combinations are kept (a beam search; B. T. Lowerre 1976). A combination is as l
 far that explains the readings of the sensors so far best (`tracking.smoother.rough_motion`), with noise as large
 as what is left. Right ways leave what misplaced sensors and a rough model leave; wrong ones leave as much as
 gravity.
+
+In long frames accelerations do not change evenly, and gains and lengths make up for it. So a likely combination
+whose lengths and places come out far from their guesses is fitted again in frames half as long, until they come
+out near or frames are as short as the smoother's first ones: what the frames' length does goes with it, what a
+wrong combination needs does not.
 """
 
 from collections.abc import Callable
@@ -22,7 +27,8 @@ from tracking.model.initial_state import GUESSED_STD, MountingPrior, rest_residu
 from tracking.model.noise import Noise
 from tracking.model.observation import observation_of
 from tracking.model.readings import Readings
-from tracking.smoother.rough_motion import rough_motion
+from tracking.smoother.coarsening import stride_of
+from tracking.smoother.rough_motion import RATE_HZ, rough_motion
 
 #: Combinations that are kept from sensor to sensor; and if none of them is near, a second time.
 _BEAMS = (8, 32)
@@ -103,6 +109,13 @@ def likely_orientations(
         beam = _beam(arm, readings, q, given, prior, order, width, progress)
         q0 = q[: part.n_joint]
         finest = [Turned(ways, *_log_likelihood(turned(part, ways), some, q0, given, prior)) for ways in beam]
+        most = max(one.log_likelihood for one in finest)
+        finest = [
+            one._replace(is_near=_is_near_in_shorter_frames(turned(part, one.ways), some, q0, given, prior))
+            if not one.is_near and one.log_likelihood > most - EQUAL_NATS
+            else one
+            for one in finest
+        ]
         finest.sort(key=lambda one: (not one.is_near, -one.log_likelihood))
         if finest[0].is_near:
             break
@@ -156,6 +169,17 @@ def _at_rest(
         of, size = observation_of(turned(arm, ways))
         left[k] = np.sum(rest_residual(of, size, first, q, given) ** 2) / std**2
     return [ways for ways, square in zip(tries, left, strict=True) if square < left.min() + 2.0 * _IMPOSSIBLE_NATS]
+
+
+def _is_near_in_shorter_frames(arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior) -> bool:
+    """Say whether lengths and mountings are near in frames half as long as the rough ones, or shorter."""
+    rate_hz, last_hz = RATE_HZ, 1.0 / (stride_of(readings.dt_s) * readings.dt_s)
+    while rate_hz < last_hz:
+        rate_hz = min(2.0 * rate_hz, last_hz)
+        found = rough_motion(arm, readings, q, given, prior, rate_hz)
+        if found is not None and found.is_near:
+            return True
+    return False
 
 
 def _log_likelihood(

@@ -22,7 +22,7 @@ from tracking.smoother.smoothed import is_near
 from tracking.smoother.smoothing_pass import pass_of, smooth_once
 
 #: Frames a second that show the motion of an arm [Hz].
-_RATE_HZ = 30.0
+RATE_HZ = 30.0
 #: Steps of Gauss and Newton, and the most where mountings are sought as well.
 _STEPS, _LAST_STEPS = 2, 15
 #: Speed of a joint before anything is known of it [rad/s or m/s].
@@ -52,7 +52,12 @@ class RoughMotion(NamedTuple):
 
 
 def rough_motion(
-    arm: Arm, readings: Readings, q: Floats, given: bool, prior: MountingPrior | None = None
+    arm: Arm,
+    readings: Readings,
+    q: Floats,
+    given: bool,
+    prior: MountingPrior | None = None,
+    rate_hz: float = RATE_HZ,
 ) -> RoughMotion | None:
     """Return a rough motion, or None if there is none.
 
@@ -63,13 +68,15 @@ def rough_motion(
     readings : Readings
     prior : MountingPrior, optional
         Mountings and lengths are sought within it; without it they are as the arm has them.
+    rate_hz : float
+        Frames a second.
     """
     of, size = observation_of(arm, mountings=prior is not None)
     x0, P0 = start_state(arm, of, size, readings.first, q, given, prior or ROUGH)
     n = arm.n_joint
     push = np.full(n, SMOOTHER_PUSH_STD**2)
     course = course_of(readings, n)._replace(push=push, rate=speed_rate(push, np.full(n, _USUAL_SPEED)))
-    stride = max(1, round(1.0 / (_RATE_HZ * readings.dt_s)))
+    stride = max(1, round(1.0 / (rate_hz * readings.dt_s)))
     course = coarser(course, stride)
     least = course.noise
     variance = np.maximum(np.var(course.readings[course.present], axis=0).mean(), least)

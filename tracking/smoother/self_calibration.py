@@ -42,6 +42,7 @@ class SensorCalibration:
         What the motion could not reveal, a sentence each.
     passes : int
     converged : bool
+        The passes ended, and in some orientation of the sensors lengths and places are near the file's.
     doubted : float
         Share of the instants at which no motion explains the readings.
     discrepancy : Discrepancy or None
@@ -91,10 +92,10 @@ def calibrate_sensors(
     q0 = np.zeros(arm.n_joint) if initial_q_rad is None else initial_q_rad
     arm = replace(arm, sensor_covariance=None)  # it is found anew
     of = observation_of(arm, mountings=True)[0]
-    given, axes, undecided = initial_q_rad is not None, dict[str, str](), list[str]()
+    given, axes, undecided, is_found = initial_q_rad is not None, dict[str, str](), list[str](), True
     found = exact_motions(arm, runs, q0, given, prior, progress, explaining=True)
     if not explained(found, runs):
-        arm, prior, axes, undecided = likely_mounting(arm, runs[0], q0, given, prior, progress)
+        arm, prior, axes, undecided, is_found = likely_mounting(arm, runs[0], q0, given, prior, progress)
         of = observation_of(arm, mountings=True)[0]
         found = runs_smoothed(arm, runs, q0, given, prior, progress)
     known, before = found[-1], found[0].before
@@ -108,7 +109,7 @@ def calibrate_sensors(
         estimates_of(arm, of, known, before) + clock_estimates(arm, known),
         undecided + hidden_of(arm, of, known, before),
         sum(one.passes for one in found),
-        all(one.converged for one in found),
+        is_found and all(one.converged for one in found),
         float(np.array([one.doubted for one in found]) @ instants / instants.sum()),
         known.discrepancy,
         lengths,

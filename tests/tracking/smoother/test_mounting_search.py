@@ -96,7 +96,7 @@ def test_of_equals_that_nearest_the_file_is_taken_and_others_told(
     )
     found = judged(monkeypatch, dd_arm, -50.0, *ways)
     assert found.axes == {"s1": axes_of(5)} and found.prior == ROUGH
-    assert found.arm == turned(dd_arm, (5, 0, 0, 0))
+    assert found.arm == turned(dd_arm, (5, 0, 0, 0)) and found.is_found
     assert found.undecided == [f"equally likely are the axes s2 {axes_of(7)}"]
 
 
@@ -104,7 +104,7 @@ def test_where_none_is_near_the_file_is_kept(monkeypatch: pytest.MonkeyPatch, dd
     """A walker's sensors were turned by 90 degrees, for what a base that moves does to the readings."""
     ways = Turned((5, 7, 0, 0), 0.0, False), Turned((5, 0, 0, 0), -1.0, False)
     found = judged(monkeypatch, dd_arm, -50.0, *ways)
-    assert (found.arm, found.prior, found.axes) == (dd_arm, MountingPrior(), {})
+    assert (found.arm, found.prior, found.axes, found.is_found) == (dd_arm, MountingPrior(), {}, False)
     assert (
         len(found.undecided) == 1 and "whether axes are exchanged or reversed does not show" in found.undecided[0]
     )

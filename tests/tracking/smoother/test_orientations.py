@@ -21,7 +21,7 @@ from tracking.smoother.orientations import (
     right_angles,
     turned,
 )
-from tracking.smoother.rough_motion import RoughMotion
+from tracking.smoother.rough_motion import RATE_HZ, RoughMotion
 
 NOTHING = np.zeros((0, 0))
 
@@ -102,13 +102,16 @@ class Liking:
             name: np.random.default_rng([7, k]).permutation(24).astype(float) for k, name in enumerate(self._file)
         }
         self.seen: list[tuple[tuple[str, ...], int, bool]] = []
+        self.rates: list[float] = []
+        self.near_from_hz = 0.0
 
-    def __call__(self, arm, readings, q, given, prior=None) -> RoughMotion | None:
+    def __call__(self, arm, readings, q, given, prior=None, rate_hz=RATE_HZ) -> RoughMotion | None:
         assert readings.values.shape[1] == 3 * len(arm.sensors) and len(q) == arm.n_joint
         ways = {sensor.name: way_of(self._file[sensor.name], sensor) for sensor in arm.sensors}
         self.seen.append((tuple(ways), arm.n_joint, prior is not None))
+        self.rates.append(rate_hz)
         likely = -sum(self.cost[name][way] for name, way in ways.items())
-        return RoughMotion(NOTHING, 1, likely, self._near(ways))
+        return RoughMotion(NOTHING, 1, likely, rate_hz >= self.near_from_hz and self._near(ways))
 
 
 @pytest.fixture
@@ -120,12 +123,14 @@ def few(spatial) -> Arm:
 
 def sought(few, monkeypatch, liking):
     said: list[int] = []
-    readings = SimpleNamespace(begins_steadily=False, values=np.zeros((4, 9)))
+    readings = SimpleNamespace(begins_steadily=False, values=np.zeros((4, 9)), dt_s=0.001)
     monkeypatch.setattr(orientations, "rough_motion", liking)
     monkeypatch.setattr(
         orientations,
         "_of_channels",
-        lambda some, taken: SimpleNamespace(begins_steadily=False, values=some.values[:, : 3 * len(taken)]),
+        lambda some, taken: SimpleNamespace(
+            begins_steadily=False, values=some.values[:, : 3 * len(taken)], dt_s=some.dt_s
+        ),
     )
     found = likely_orientations(few, readings, np.arange(3.0), True, MountingPrior(), said.append)
     return found, said
@@ -143,6 +148,23 @@ def test_the_likeliest_ways_are_found_link_by_link(few, monkeypatch) -> None:
     assert liking.seen[0] == (("s1",), 1, False)
     assert liking.seen[24] == (("s1", "s3"), 2, False) and liking.seen[216] == (("s1", "s3", "s5"), 3, False)
     assert [prior for *_, prior in liking.seen] == [False] * said[-1] + [True] * 8
+
+
+def test_what_only_long_frames_have_far_away_is_near(few, monkeypatch) -> None:
+    """In readings of 1 kHz, of which four are one frame of the smoother's first passes."""
+    liking = Liking(few)
+    liking.near_from_hz = 4.0 * RATE_HZ
+    found, said = sought(few, monkeypatch, liking)
+    assert len(said) == 3  # nothing is sought a second time
+    likely = [one for one in found if one.log_likelihood > -np.log(100.0)]
+    assert all(one.is_near for one in likely) and found[0].log_likelihood == 0.0
+    assert liking.rates[said[-1] + 8 :] == [2.0 * RATE_HZ, 4.0 * RATE_HZ] * len(likely)
+
+
+def test_what_stays_far_is_asked_down_to_the_smoothers_own_frames(few, monkeypatch) -> None:
+    liking = Liking(few, lambda _ways: False)
+    found, _ = sought(few, monkeypatch, liking)
+    assert not found[0].is_near and max(liking.rates) == pytest.approx(250.0)
 
 
 def test_where_none_is_near_more_are_kept(few, monkeypatch) -> None:
