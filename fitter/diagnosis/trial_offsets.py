@@ -7,7 +7,8 @@ floor (`error_floor`): the equations of a trial have the common noise
 
 .. math:: o_{jk} \sim N(0, B_j)
 
-in addition, one number for each joint and trial. What is the same in all trials is no part of B, but a cause.
+in addition, one number for each joint and trial. What is the same in all trials, drifts from one to the next, or
+changes once, as with a load, is no part of B but a cause: B is the scatter of successive trials.
 """
 
 from collections.abc import Sequence
@@ -31,9 +32,9 @@ def offset_sizes(
     r"""Return the standard deviation of the trials' offsets, sqrt(B), (n_joint,) [N m or N].
 
     Each trial's offset by weighted least squares has the variance v of the other noise, so ``B = s^2 - v`` with
-    the scatter s of all trials about their median. It is the median absolute deviation's: of a few trials in which
-    something happened to the arm, which are a cause to be found, it knows nothing. It is 0 unless the offsets'
-    likelihood gains more than Schwarz' penalty of its one number.
+    the scatter s of successive trials: their differences are sqrt(2) times as large (von Neumann 1941), and their
+    median does not depend on a few. It is 0 unless the offsets' likelihood gains more than Schwarz' penalty of
+    its one number.
 
     Parameters
     ----------
@@ -43,8 +44,9 @@ def offset_sizes(
     model : Model
     x : (n_factor,)
     motions : sequence of Motion
-        Those that may be learnt from; of one alone there is no scatter.
+        Those that may be learnt from, in any order; of one alone there is no scatter.
     """
+    motions = sorted(motions, key=lambda one: float(one.t[0]))
     per_trial = [_offsets(equations, weighting, model, x, one) for one in motions]
     return np.array([_scatter(*trials) for trials in np.moveaxis(np.array(per_trial), (1, 2), (1, 0))])
 
@@ -54,8 +56,10 @@ def _scatter(offsets: Floats, variances: Floats) -> float:
     known = np.isfinite(variances)
     if np.count_nonzero(known) < 2:
         return 0.0
-    off, v = offsets[known] - np.median(offsets[known]), variances[known]
-    B = max((MAD_STD * float(np.median(np.abs(off)))) ** 2 - float(np.median(v)), 0.0)
+    off, v = offsets[known], variances[known]
+    scatter = MAD_STD * float(np.median(np.abs(np.diff(off)))) / np.sqrt(2.0)
+    B = max(scatter**2 - float(np.median(v)), 0.0)
+    off = off - np.average(off, weights=1.0 / (B + v))
     gain = 0.5 * float(np.sum(off**2 / v - off**2 / (B + v) - np.log1p(B / v)))
     return float(np.sqrt(B)) if gain > 0.5 * np.log(len(v)) else 0.0  # Schwarz' penalty of one number
 
