@@ -27,6 +27,7 @@ from fitter.dynamics.evaluation import HORIZON_S
 from fitter.dynamics.found_targets import HINT, lacks_torque, with_found_targets
 from fitter.dynamics.torque_wiring import check_wiring
 from fitter.report.diagnosis_errors import BY_NAME, by_name_rows, error_rows
+from fitter.report.diagnosis_words import trial_offsets
 from limbcal.command import Document, console, say, show, to_json, with_asked
 from limbcal.digits import with_interval
 from limbcal.errors import ConfigError, DeviceError, Unusable
@@ -192,6 +193,8 @@ def _say(finding: Finding, out: Path) -> None:
     if finding.discrepancy.depends_on:
         variables, formula = ", ".join(finding.discrepancy.depends_on), finding.discrepancy.formula
         show(f"the residual depends on {variables} {formula}".strip())
+    if constant := trial_offsets(finding.discrepancy.trial_offsets_N_m, finding.arm):
+        show(constant)
     if finding.polish is not None:
         show(finding.polish.sentence)
     _show_errors("on the evaluating trials", finding.arm, (finding.before, finding.after))

@@ -124,7 +124,7 @@ def document(finding: MarkerFinding) -> Document:
         "after": UNKNOWN_ERRORS | {"marker_rms_mm": sizes[1]},
         "gain": {"torque": None, "angle": None, "markers": finding.gain, "ci95": list(finding.ci95)},
         "residual": {
-            **{"joint": None, "formula": None, "dependences": []},
+            **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
             **{"explained": finding.gain, "white": finding.complete, "depends_on": []},
         },
     }

@@ -111,7 +111,7 @@ def document(finding: SensorFinding) -> Document:
         "gain": {"torque": None, "angle": None, "readings": finding.gain, "ci95": None},
         "structure": {"beyond_noise": finding.beyond_noise},
         "residual": {
-            **{"joint": None, "formula": None, "dependences": []},
+            **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
             "explained": finding.residual.explained,
             "white": finding.residual.white,
             "depends_on": list(finding.residual.depends_on),

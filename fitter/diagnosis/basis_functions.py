@@ -182,6 +182,8 @@ class Discrepancy:
     formula : str
     dependences : list of Dependence
         Of the remaining torque on each variable alone, with a permutation test.
+    trial_offsets_N_m : tuple of float
+        Standard deviation, at each joint, of a constant torque that every trial lacks in its own way.
     """
 
     explained: float
@@ -191,3 +193,4 @@ class Discrepancy:
     joint: int
     formula: str
     dependences: list[Dependence]
+    trial_offsets_N_m: tuple[float, ...]

@@ -107,9 +107,13 @@ def describe(regression: Regression, final: Candidate, floor: Floor) -> Discrepa
     floor : Floor
         Of the model; where there is none, the residual is noise, and no function of anything.
     """
-    white, alone = _white(regression, final), dependences(regression, final)
+    white, alone, offsets = (
+        _white(regression, final),
+        dependences(regression, final),
+        tuple(floor.offsets.tolist()),
+    )
     if floor.is_none:
-        return Discrepancy(0.0, 0.0, white, (), 0, "", alone)
+        return Discrepancy(0.0, 0.0, white, (), 0, "", alone, offsets)
     fold = CrossValidation(regression, final)
     functions = best_functions(fold, regression.arm.n_joint)
     best, joint = functions.least, functions.joint
@@ -129,6 +133,7 @@ def describe(regression: Regression, final: Candidate, floor: Floor) -> Discrepa
         joint=joint + 1 if is_significant else 0,
         formula=fold.formula(some, joint, fold.typical_chi2 - best) if is_significant else "",
         dependences=alone,
+        trial_offsets_N_m=offsets,
     )
 
 

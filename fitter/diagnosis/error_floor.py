@@ -166,8 +166,8 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
         acceleration_noise=own.acceleration_noise * np.outer(root, root),
     )
     offsets = offset_sizes(regression.equations, with_floor, model, x, regression.learning)
-    with_floor = replace(with_floor, offsets=np.where(ratio > NOISE_VARIANCE_TOLERANCE, offsets, 0.0))
-    return own, with_floor, Floor(ratio, white, steep)
+    offsets = np.where(ratio > NOISE_VARIANCE_TOLERANCE, offsets, 0.0)
+    return own, replace(with_floor, offsets=offsets), Floor(ratio, white, steep, offsets)
 
 
 def part_of_floor(own: Weighting, with_floor: Weighting) -> float:

@@ -208,11 +208,14 @@ class Floor:
         sqrt(D), a sample.
     steep : (n_joint,)
         E.
+    offsets : (n_joint,) [N m or N]
+        sqrt(B), of a trial.
     """
 
     ratio: Floats
     white: Floats
     steep: Floats
+    offsets: Floats
 
     @property
     def is_none(self) -> bool:

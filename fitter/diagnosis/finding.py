@@ -223,6 +223,7 @@ class Finding:
                 "joint": self.discrepancy.joint or None,
                 "formula": self.discrepancy.formula or None,
                 "dependences": [vars(one) for one in self.discrepancy.dependences],
+                "trial_offsets_N_m": list(self.discrepancy.trial_offsets_N_m),
             },
             "explained": self.torque_explained,
             "structure": {"beyond_noise": self.structure},
@@ -245,7 +246,7 @@ UNKNOWN: dict[str, object] = {
     "judged": None,
     "residual": {
         **{"explained": None, "white": None, "depends_on": []},
-        **{"joint": None, "formula": None, "dependences": []},
+        **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
     },
     "explained": None,
     "structure": {"beyond_noise": None},

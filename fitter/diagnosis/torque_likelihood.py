@@ -69,8 +69,9 @@ class TorqueLikelihood:
         events: Events | None = None,
         moved: float = 0.5,
     ) -> None:
+        one = np.ones(regression.arm.n_joint)
         self.regression = regression
-        self.floor = self.base_floor = Floor(*np.ones((3, regression.arm.n_joint)))
+        self.floor = self.base_floor = Floor(one, one, one, 0.0 * one)
         self.in_vain: list[Candidate] = []
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         self._events = events

@@ -128,6 +128,8 @@ def whiteness(found: Diagnosis) -> str:
         if discrepancy.white
         else "What is left is not white: its spectrum is not that of the noise alone."
     )
+    if constant := trial_offsets(discrepancy.trial_offsets_N_m, found.regression.arm):
+        white = f"{white} {constant[0].upper()}{constant[1:]}."
     if not discrepancy.depends_on:
         return f"{white} No smooth function of the joints' motion, torque and time explains a notable share."
     known = (
@@ -137,6 +139,23 @@ def whiteness(found: Diagnosis) -> str:
     )
     hint = f" A formula, as a hint: {discrepancy.formula} (N m, rad, s)." if discrepancy.formula else ""
     return f"{white} {known}{hint}"
+
+
+def trial_offsets(sizes: Sequence[float], arm: Arm) -> str:
+    """Return in words what constant torque each trial lacks, by its standard deviations; empty if none does.
+
+    Parameters
+    ----------
+    sizes : sequence of float [N m or N]
+        One of every joint.
+    arm : Arm
+    """
+    units_of = units(arm)
+    parts = [f"{size:.2g} {units_of[j]} rms at joint {j + 1}" for j, size in enumerate(sizes) if size > 0.0]
+    if not parts:
+        return ""
+    why = "an angle that is set to zero anew before each trial does that, or a cable"
+    return f"each trial lacks a constant torque of its own, {_and(parts)}: {why}"
 
 
 def assumptions(found: Diagnosis) -> list[str]:

@@ -5,7 +5,8 @@ import math
 import pytest
 from scipy.stats import norm
 
-from fitter.report.diagnosis_words import angle, fell, measured, percent, rounded
+from arm.arm_file import load_arm
+from fitter.report.diagnosis_words import angle, fell, measured, percent, rounded, trial_offsets
 from fitter.search.fitted_parameter import FittedParameter
 
 
@@ -26,3 +27,10 @@ def test_half_of_the_interval_is_95_percent_of_a_normal_distribution():
 def test_an_error_falls_grows_or_ran_away():
     assert fell(0.25) == "falls by 25 %" and fell(-0.5) == "grows by 50 %" and fell(-2.0).startswith("grows to 3 ")
     assert "ran away" in fell(math.nan) and angle(math.inf) == "ran away" and percent(math.nan) == "–"
+
+
+def test_constant_torques_of_trials_are_named_where_there_are_any():
+    arm = load_arm("dd-arm-vertical")
+    assert trial_offsets((0.0, 0.0), arm) == ""
+    assert "0.068 N m rms at joint 1:" in trial_offsets((0.0681, 0.0), arm)
+    assert "0.068 N m rms at joint 1 and 0.05 N m rms at joint 2" in trial_offsets((0.0681, 0.05), arm)
