@@ -102,7 +102,7 @@ def test_unfitted_trials_contradict_what_makes_them_less_likely():
 
 
 def test_chance_contradicts_seldom():
-    """Of 40 models that are as good on unfitted trials, 2.5 % are worse by two standard errors: one, at most five."""
+    """Of models that are as good on unfitted trials 2.5 % are worse by two standard errors: of 40 at most five."""
     held = np.arange(N) >= N // 2
     found = [
         fit_of(np.where(held, noise(k), 0.5 * noise(k)), 1, TRIALS // 2).is_contradicted(
