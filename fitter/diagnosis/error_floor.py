@@ -166,7 +166,6 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
         acceleration_noise=own.acceleration_noise * np.outer(root, root),
     )
     offsets = offset_sizes(regression.equations, with_floor, model, x, regression.learning)
-    offsets = np.where(ratio > NOISE_VARIANCE_TOLERANCE, offsets, 0.0)
     return own, replace(with_floor, offsets=offsets), Floor(ratio, white, steep, offsets)
 
 

@@ -221,9 +221,14 @@ class Floor:
     @property
     def is_none(self) -> bool:
         """Whether the residual is no more than the sensors' noise."""
-        return bool(np.all(self.ratio <= NOISE_VARIANCE_TOLERANCE))
+        return bool(np.all(self.ratio <= NOISE_VARIANCE_TOLERANCE)) and not self.has_offsets
 
     @property
     def is_large(self) -> bool:
         """Whether the residual is much larger."""
-        return bool(np.any(self.ratio > CLEAR_RATIO))
+        return bool(np.any(self.ratio > CLEAR_RATIO)) or self.has_offsets
+
+    @property
+    def has_offsets(self) -> bool:
+        """Whether trials lack constant torques of their own."""
+        return bool(np.any(self.offsets > 0.0))

@@ -17,7 +17,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.least_squares import NEGLIGIBLE
+from fitter.diagnosis.least_squares import NEGLIGIBLE, ODDS_NATS
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.weighting import Weighting
@@ -33,8 +33,7 @@ def offset_sizes(
 
     Each trial's offset by weighted least squares has the variance v of the other noise, so ``B = s^2 - v`` with
     the scatter s of successive trials: their differences are sqrt(2) times as large (von Neumann 1941), and their
-    median does not depend on a few. It is 0 unless the offsets' likelihood gains more than Schwarz' penalty of
-    its one number.
+    median does not depend on a few. It is 0 unless the offsets are a hundred times likelier with it.
 
     Parameters
     ----------
@@ -61,7 +60,7 @@ def _scatter(offsets: Floats, variances: Floats) -> float:
     B = max(scatter**2 - float(np.median(v)), 0.0)
     off = off - np.average(off, weights=1.0 / (B + v))
     gain = 0.5 * float(np.sum(off**2 / v - off**2 / (B + v) - np.log1p(B / v)))
-    return float(np.sqrt(B)) if gain > 0.5 * np.log(len(v)) else 0.0  # Schwarz' penalty of one number
+    return float(np.sqrt(B)) if gain > ODDS_NATS else 0.0
 
 
 def _offsets(equations: Equations, weighting: Weighting, model: Model, x: Floats, motion: Motion) -> Floats:
