@@ -143,7 +143,9 @@ class Stepwise:
             self._progress(len(steps))
         if first:  # the weights are those of what was tried last, and was not accepted
             fit = self._likelihood.reweighted(fit)
-        fit, steps = self._confirmed(*self._exchanged(fit, steps))
+        other, steps = self._exchanged(fit, steps)
+        # The last cause was accepted beside exactly these: asked again, a tie would come out by chance.
+        fit, steps = self._confirmed(other, steps, asked=len(steps) - 1 if other is fit else len(steps))
         return Found(base, fit, tuple(steps), first)
 
     def extended(self, found: Found, fit: Fit) -> Found | None:
@@ -174,9 +176,7 @@ class Stepwise:
         it costs [nats]: Schwarz' penalty, and the logarithm of the prior odds against it.
         """
         options = self._likelihood.options(fit)
-        kept = [
-            one for one in options if self._log_evidence(one, fit) > -ODDS_NATS and not one.is_contradicted(fit)
-        ]
+        kept = [one for one in options if self._log_evidence(one, fit) > -ODDS_NATS and one.helps(fit)]
         number_nats = 0.5 * float(np.log(len(fit.trial)))
         return [
             (one, number_nats * (one.n_number - fit.n_number) + self._against(one.candidate.hypothesis))
@@ -200,14 +200,14 @@ class Stepwise:
     def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
         """Return a model with further causes, without those that they make needless.
 
-        None if under its own weights their evidence is too small or unfitted trials contradict them, or if any
+        None if under its own weights their evidence is too small or they do not help on unfitted trials, or if any
         cause's size is unknown.
         """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._log_evidence(fit, smaller)
-        if own < ODDS_NATS or fit.is_contradicted(smaller) or not self._is_evident_everywhere(fit, smaller):
+        if own < ODDS_NATS or not fit.helps(smaller) or not self._is_evident_everywhere(fit, smaller):
             return None
         kept, left = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
         if len(left) < len(steps) + len(more):
@@ -313,16 +313,20 @@ class Stepwise:
                 fit, steps = self._likelihood.reweighted(better), [*steps[:place], *steps[place + 1 :], new]
         return fit, steps
 
-    def _confirmed(self, fit: Fit, steps: list[Step]) -> tuple[Fit, list[Step]]:
-        """Return a model without the causes that trials not learnt from contradict, now that all are in."""
-        while steps:
-            smaller = [self._likelihood.without(fit, place) for place in range(len(steps))]
-            contradicted = [place for place in range(len(steps)) if fit.is_contradicted(smaller[place])]
+    def _confirmed(self, fit: Fit, steps: list[Step], asked: int) -> tuple[Fit, list[Step]]:
+        """Return a model without the causes that trials not learnt from contradict, now that all are in.
+
+        The first ``asked`` are asked for; once one has gone, all of those that remain.
+        """
+        while asked > 0:
+            smaller = [self._likelihood.without(fit, place) for place in range(asked)]
+            contradicted = [place for place in range(asked) if not fit.helps(smaller[place])]
             if not contradicted:
                 break
             weakest = min(contradicted, key=lambda place: fit.held_out(smaller[place]))
             fit = self._likelihood.reweighted(smaller[weakest])
             steps = [one for k, one in enumerate(steps) if k != weakest]
+            asked = len(steps)
         return fit, steps
 
 

@@ -105,7 +105,7 @@ class TiedAtTheEnd(LinearLikelihood):
 
 @given(SEEDS)
 @settings(max_examples=10, deadline=None)
-def test_a_tie_on_unfitted_trials_contradicts_nothing(seed):
+def test_a_cause_is_held_against_unfitted_trials_once(seed):
     A, noise = drawn(seed, 1)
     found = Stepwise(TiedAtTheEnd(A, A[:, 0] + noise, [Columns(0)]), 1, MOST).run()
     assert columns_of(found) == [(0,)]

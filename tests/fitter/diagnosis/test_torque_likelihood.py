@@ -73,7 +73,7 @@ def test_the_hidden_effect_comes_first(dragged, ranked):
     assert [penalised_log_likelihood(one) for one in ranked] == sorted(
         map(penalised_log_likelihood, ranked), reverse=True
     )
-    assert ranked[0].gain(base) > 20.0 and not ranked[0].is_contradicted(base)
+    assert ranked[0].gain(base) > 20.0 and ranked[0].helps(base)
     assert likelihood.floor is likelihood.base_floor and not likelihood.base_floor.is_none
 
 
