@@ -97,16 +97,22 @@ class Fit:
         """Return the gain in log-likelihood of all trials over another model [nats]."""
         return float((self.log_likelihood - other.log_likelihood).sum())
 
-    def helps(self, other: "Fit") -> bool:
+    def helps(self, smaller: "Fit", sigmas: float = 0.0) -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under a smaller model.
 
         Of what acts in none of them, as a push in another trial, they say nothing: the push no longer bends the
         base parameters, and whether the error of other trials becomes larger or smaller by that is chance.
+
+        Parameters
+        ----------
+        smaller : Fit
+        sigmas : float
+            By more than so many standard errors.
         """
-        known = {id(one) for one in other.candidate.model.hypotheses}
+        known = {id(one) for one in smaller.candidate.model.hypotheses}
         added = [id(one) not in known for one in self.candidate.model.hypotheses]
         is_predicted = np.any(self.acts[added][:, np.unique(self.trial[~self.learnt])])
-        return not is_predicted or self.held_out(other) > 0.0
+        return not is_predicted or self.held_out(smaller) > sigmas
 
     def held_out(self, other: "Fit") -> float:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""
