@@ -200,8 +200,8 @@ class Stepwise:
     def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
         """Return a model with further causes, without those that they make needless.
 
-        None if under its own weights their evidence is too small or unfitted trials gain nothing significant, or if
-        any cause's size is unknown.
+        None if under its own weights their evidence is too small, if unfitted trials gain no more than chance, or
+        if any cause's size is unknown.
         """
         smaller = fit
         for _ in more:

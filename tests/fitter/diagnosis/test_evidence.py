@@ -101,6 +101,22 @@ def test_it_has_to_help_where_nothing_was_learnt():
     assert fit_of(half).helps(fit_of(left))  # where no trial is held out, none is asked
 
 
+def test_a_gain_within_chance_is_no_significant_help():
+    """Half of what makes no difference helps, and of that 2.5 % by two standard errors: of 40 at most five."""
+    held = np.arange(N) >= N // 2
+    pairs = [
+        (
+            fit_of(np.where(held, noise(k), 0.5 * noise(k)), 1, TRIALS // 2),
+            fit_of(noise(k + 1000), 0, TRIALS // 2),
+        )
+        for k in range(40)
+    ]
+    assert 10 <= sum(one.helps(base) for one, base in pairs) <= 30
+    assert sum(one.helps(base, 2.0) for one, base in pairs) <= 5
+    better = fit_of(0.7 * noise(4), 1, TRIALS // 2)
+    assert better.helps(fit_of(noise(4), 0, TRIALS // 2), 2.0)
+
+
 def test_trials_in_which_nothing_of_it_acts_say_nothing_of_it():
     """They change by what it no longer bends, one way as often as the other."""
     left = noise(4)
