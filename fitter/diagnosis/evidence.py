@@ -52,8 +52,8 @@ class Fit:
         Where in its motion a joint is (`motion_cells`).
     density : (n_block,)
         Logarithm of the density of what was measured, but for the residual [nats].
-    acts : (n_hypothesis, n_trial) of bool
-        Whether each hypothesis of its model acts in a trial.
+    predicts : (n_hypothesis, n_trial) of bool
+        Whether each hypothesis of its model predicts a trial from others.
     """
 
     candidate: Candidate
@@ -64,7 +64,7 @@ class Fit:
     learnt: NDArray[np.bool_]
     cell: NDArray[np.intp]
     density: Floats
-    acts: NDArray[np.bool_]
+    predicts: NDArray[np.bool_]
 
     @cached_property
     def row_trial(self) -> NDArray[np.intp]:
@@ -100,7 +100,7 @@ class Fit:
     def helps(self, smaller: "Fit", sigmas: float = 0.0) -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under a smaller model.
 
-        Of what acts in none of them, as a push in another trial, they say nothing: the push no longer bends the
+        Of what they are not predicted by, as by a push in one trial, they say nothing: it no longer bends the
         base parameters, and whether the error of other trials becomes larger or smaller by that is chance.
 
         Parameters
@@ -111,7 +111,7 @@ class Fit:
         """
         known = {id(one) for one in smaller.candidate.model.hypotheses}
         added = [id(one) not in known for one in self.candidate.model.hypotheses]
-        is_predicted = np.any(self.acts[added][:, np.unique(self.trial[~self.learnt])])
+        is_predicted = np.any(self.predicts[added][:, np.unique(self.trial[~self.learnt])])
         return not is_predicted or self.held_out(smaller) > sigmas
 
     def held_out(self, other: "Fit") -> float:

@@ -231,7 +231,7 @@ class TorqueLikelihood:
             np.concatenate(cell),
             np.array(density),
             np.array(
-                [[one.acts_in(motion) for motion in regression.motions] for one in candidate.model.hypotheses],
+                [[one.predicts(motion) for motion in regression.motions] for one in candidate.model.hypotheses],
                 dtype=np.bool_,
             ).reshape(-1, len(regression.motions)),
         )

@@ -123,7 +123,7 @@ def test_trials_in_which_nothing_of_it_acts_say_nothing_of_it():
     worse = fit_of(np.where(np.arange(N) >= N // 2, left + noise(9), 0.5 * left), 1, TRIALS // 2)
     base = fit_of(left, 0, TRIALS // 2)
     assert worse.held_out(base) < 0.0 and not worse.helps(base)
-    assert replace(worse, acts=np.arange(TRIALS)[None] < TRIALS // 2).helps(base)
+    assert replace(worse, predicts=np.arange(TRIALS)[None] < TRIALS // 2).helps(base)
 
 
 def test_the_density_of_a_motion_counts_with_what_is_left_of_it():
