@@ -165,6 +165,8 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
         torque_noise=np.sqrt(own.torque_noise**2 + white**2),
         acceleration_noise=own.acceleration_noise * np.outer(root, root),
     )
+    without = regression.weighted_by(with_floor)
+    x = without.solve(model, regression.learning)  # with offsets gravity is as free as they are: both grow
     offsets = offset_sizes(regression.equations, with_floor, model, x, regression.learning)
     return own, replace(with_floor, offsets=offsets), Floor(ratio, white, steep, offsets)
 
