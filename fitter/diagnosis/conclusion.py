@@ -254,7 +254,6 @@ def _verdict(regression: Regression, search: Search, discrepancy: Discrepancy, h
         if surpassed(regression, search.final):
             return "unexplained"
         return "ambiguous" if any(cause.rivals for cause in search.causes) else "named"
-    floor = search.floor
-    if floor.has_offsets or (floor.is_large and not discrepancy.white) or surpassed(regression, search.base):
+    if (search.floor.is_large and not discrepancy.white) or surpassed(regression, search.base):
         return "unexplained"
     return "named" if held else "none"

@@ -19,6 +19,7 @@ from fitter.diagnosis.least_squares import CLEAR_RATIO, EQUAL_SIGMAS, ODDS_NATS,
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
+from fitter.diagnosis.trial_offsets import offset_sizes
 from fitter.parallel.forked import side_by_side
 
 
@@ -107,13 +108,11 @@ def describe(regression: Regression, final: Candidate, floor: Floor) -> Discrepa
     floor : Floor
         Of the model; where there is none, the residual is noise, and no function of anything.
     """
-    white, alone, offsets = (
-        _white(regression, final),
-        dependences(regression, final),
-        tuple(floor.offsets.tolist()),
-    )
+    white, alone = _white(regression, final), dependences(regression, final)
     if floor.is_none:
-        return Discrepancy(0.0, 0.0, white, (), 0, "", alone, offsets)
+        return Discrepancy(0.0, 0.0, white, (), 0, "", alone, (0.0,) * regression.arm.n_joint)
+    weighting, learning = regression.weighting, regression.learning
+    offsets = offset_sizes(regression.equations, weighting, final.model, final.x, learning)
     fold = CrossValidation(regression, final)
     functions = best_functions(fold, regression.arm.n_joint)
     best, joint = functions.least, functions.joint
@@ -133,7 +132,7 @@ def describe(regression: Regression, final: Candidate, floor: Floor) -> Discrepa
         joint=joint + 1 if is_significant else 0,
         formula=fold.formula(some, joint, fold.typical_chi2 - best) if is_significant else "",
         dependences=alone,
-        trial_offsets_N_m=offsets,
+        trial_offsets_N_m=tuple(offsets.tolist()),
     )
 
 

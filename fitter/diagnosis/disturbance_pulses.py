@@ -62,9 +62,9 @@ class DisturbancePulses(Hypothesis):
         """Return the logarithm of the number of samples at which each may begin."""
         return float(len(self.found) * np.log(sum(len(motion.t) for motion in motions)))
 
-    def predicts(self, motion: Motion) -> bool:
-        """Say that no motion can be predicted: each of them is found where it acts."""
-        return False
+    def acts_in(self, motion: Motion) -> bool:
+        """Say whether one of them was found there."""
+        return any(one.start_s < motion.t[-1] and one.ends_s > motion.t[0] for one in self.found)
 
     def act(self, hypothetical: HypotheticalMotion, psi: Floats) -> HypotheticalMotion:
         """Return a motion with what an impulse of 1 N m s of each push asks of the drive."""

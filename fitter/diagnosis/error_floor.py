@@ -8,8 +8,7 @@ The floor: the model's discrepancy, as noise of each joint's equation in additio
 
 ``P`` and ``Q`` are the sensors' noise under the model. ``D`` is a white missing torque, and ``E`` more noise of
 the angles than is known of, both by maximum likelihood (Whittle 1953) from the residual of the learning
-trials. Where the model is exact there is no floor: ``D = 0, E = 1``. What each trial lacks on average is a part of
-it that has no spectrum (`trial_offsets`).
+trials. Where the model is exact there is no floor: ``D = 0, E = 1``.
 """
 
 from collections.abc import Mapping, Sequence
@@ -30,7 +29,6 @@ from fitter.diagnosis.least_squares import NEGLIGIBLE, ROUNDED, TINY, scaled_lst
 from fitter.diagnosis.model import BARE, Candidate, Model
 from fitter.diagnosis.motion import SAMPLES, Motion
 from fitter.diagnosis.regression import Regression
-from fitter.diagnosis.trial_offsets import offset_sizes
 from fitter.diagnosis.weighting import Weighting
 
 
@@ -134,8 +132,7 @@ def first_weighting(arm: Arm, motions: Sequence[Motion]) -> Weighting:
     dt_s = max(motion.dt_s for motion in motions)
     corner = min(*(motion.trial.cutoff_hz for motion in motions), 0.4 / dt_s)
     band = BAND_SHARE * corner
-    stride = max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band)))
-    return Weighting(torque, acceleration, band, stride, {}, np.zeros(arm.n_joint))
+    return Weighting(torque, acceleration, band, max(1, int(1.0 / (dt_s * 0.5 * SAMPLES * band))), {})
 
 
 def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, Weighting, Floor]:
@@ -165,10 +162,7 @@ def floored(regression: Regression, candidate: Candidate) -> tuple[Weighting, We
         torque_noise=np.sqrt(own.torque_noise**2 + white**2),
         acceleration_noise=own.acceleration_noise * np.outer(root, root),
     )
-    without = regression.weighted_by(with_floor)
-    x = without.solve(model, regression.learning)  # with offsets gravity is as free as they are: both grow
-    offsets = offset_sizes(regression.equations, with_floor, model, x, regression.learning)
-    return own, replace(with_floor, offsets=offsets), Floor(ratio, white, steep, offsets)
+    return own, with_floor, Floor(ratio, white, steep)
 
 
 def part_of_floor(own: Weighting, with_floor: Weighting) -> float:

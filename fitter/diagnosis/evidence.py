@@ -52,8 +52,8 @@ class Fit:
         Where in its motion a joint is (`motion_cells`).
     density : (n_block,)
         Logarithm of the density of what was measured, but for the residual [nats].
-    predicts : (n_hypothesis, n_trial) of bool
-        Whether each hypothesis of its model predicts a trial from others.
+    acts : (n_hypothesis, n_trial) of bool
+        Whether each hypothesis of its model acts in a trial.
     """
 
     candidate: Candidate
@@ -64,7 +64,7 @@ class Fit:
     learnt: NDArray[np.bool_]
     cell: NDArray[np.intp]
     density: Floats
-    predicts: NDArray[np.bool_]
+    acts: NDArray[np.bool_]
 
     @cached_property
     def row_trial(self) -> NDArray[np.intp]:
@@ -97,22 +97,16 @@ class Fit:
         """Return the gain in log-likelihood of all trials over another model [nats]."""
         return float((self.log_likelihood - other.log_likelihood).sum())
 
-    def helps(self, smaller: "Fit", sigmas: float = 0.0) -> bool:
+    def helps(self, other: "Fit") -> bool:
         """Say whether trials that were not learnt from, if any, are likelier than under a smaller model.
 
-        Of what they are not predicted by, as by a push in one trial, they say nothing: it no longer bends the
+        Of what acts in none of them, as a push in another trial, they say nothing: the push no longer bends the
         base parameters, and whether the error of other trials becomes larger or smaller by that is chance.
-
-        Parameters
-        ----------
-        smaller : Fit
-        sigmas : float
-            By more than so many standard errors.
         """
-        known = {id(one) for one in smaller.candidate.model.hypotheses}
+        known = {id(one) for one in other.candidate.model.hypotheses}
         added = [id(one) not in known for one in self.candidate.model.hypotheses]
-        is_predicted = np.any(self.predicts[added][:, np.unique(self.trial[~self.learnt])])
-        return not is_predicted or self.held_out(smaller) > sigmas
+        is_predicted = np.any(self.acts[added][:, np.unique(self.trial[~self.learnt])])
+        return not is_predicted or self.held_out(other) > 0.0
 
     def held_out(self, other: "Fit") -> float:
         """Return the gain of trials that were not learnt from, in standard errors; infinite if there are none."""
@@ -214,26 +208,18 @@ class Floor:
         sqrt(D), a sample.
     steep : (n_joint,)
         E.
-    offsets : (n_joint,) [N m or N]
-        sqrt(B), of a trial.
     """
 
     ratio: Floats
     white: Floats
     steep: Floats
-    offsets: Floats
 
     @property
     def is_none(self) -> bool:
         """Whether the residual is no more than the sensors' noise."""
-        return bool(np.all(self.ratio <= NOISE_VARIANCE_TOLERANCE)) and not self.has_offsets
+        return bool(np.all(self.ratio <= NOISE_VARIANCE_TOLERANCE))
 
     @property
     def is_large(self) -> bool:
         """Whether the residual is much larger."""
-        return bool(np.any(self.ratio > CLEAR_RATIO)) or self.has_offsets
-
-    @property
-    def has_offsets(self) -> bool:
-        """Whether trials lack constant torques of their own."""
-        return bool(np.any(self.offsets > 0.0))
+        return bool(np.any(self.ratio > CLEAR_RATIO))

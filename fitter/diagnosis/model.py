@@ -163,8 +163,8 @@ class Hypothesis(ABC):
         """Say which of its numbers (n_number,) are known, by their standard errors; NaN is no error."""
         return np.isfinite(std)
 
-    def predicts(self, motion: Motion) -> bool:
-        """Say whether what it does in a motion can be learnt from others."""
+    def acts_in(self, motion: Motion) -> bool:
+        """Say whether it acts in a motion at all."""
         return True
 
     def part_of(self, motion: Motion) -> object:

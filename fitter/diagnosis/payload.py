@@ -83,7 +83,7 @@ class Payload(Hypothesis):
             return float(len(motions) * np.log(2.0))
         return float(np.log(sum(len(motion.t) for motion in motions)))
 
-    def predicts(self, motion: Motion) -> bool:
+    def acts_in(self, motion: Motion) -> bool:
         """Say whether it is carried there, for a part of it at least."""
         return bool(self.part_of(motion))
 

@@ -11,7 +11,7 @@ from typing import Protocol
 import numpy as np
 
 from fitter.diagnosis.evidence import Fit, is_better, log_evidence, penalised_log_likelihood
-from fitter.diagnosis.least_squares import CLEAR_RATIO, EQUAL_SIGMAS, N_REFINED, ODDS_NATS
+from fitter.diagnosis.least_squares import CLEAR_RATIO, N_REFINED, ODDS_NATS
 from fitter.diagnosis.model import Hypothesis
 
 
@@ -200,18 +200,14 @@ class Stepwise:
     def _accepted(self, fit: Fit, steps: list[Step], more: list[Step]) -> tuple[Fit, list[Step]] | None:
         """Return a model with further causes, without those that they make needless.
 
-        None if under its own weights their evidence is too small, if unfitted trials gain no more than chance, or
-        if any cause's size is unknown.
+        None if under its own weights their evidence is too small or they do not help on unfitted trials, or if any
+        cause's size is unknown.
         """
         smaller = fit
         for _ in more:
             smaller = self._likelihood.without(smaller, len(smaller.candidate.model.hypotheses) - 1)
         own = self._log_evidence(fit, smaller)
-        if (
-            own < ODDS_NATS
-            or not fit.helps(smaller, EQUAL_SIGMAS)
-            or not self._is_evident_everywhere(fit, smaller)
-        ):
+        if own < ODDS_NATS or not fit.helps(smaller) or not self._is_evident_everywhere(fit, smaller):
             return None
         kept, left = self._pruned(fit, [*steps, *(replace(step, log_evidence=own) for step in more)])
         if len(left) < len(steps) + len(more):

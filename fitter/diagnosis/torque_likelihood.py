@@ -69,9 +69,8 @@ class TorqueLikelihood:
         events: Events | None = None,
         moved: float = 0.5,
     ) -> None:
-        one = np.ones(regression.arm.n_joint)
         self.regression = regression
-        self.floor = self.base_floor = Floor(one, one, one, 0.0 * one)
+        self.floor = self.base_floor = Floor(*np.ones((3, regression.arm.n_joint)))
         self.in_vain: list[Candidate] = []
         self._tried, self._screen, self._progress, self._starts = list(tried), screen, progress, Starts()
         self._events = events
@@ -231,7 +230,7 @@ class TorqueLikelihood:
             np.concatenate(cell),
             np.array(density),
             np.array(
-                [[one.predicts(motion) for motion in regression.motions] for one in candidate.model.hypotheses],
+                [[one.acts_in(motion) for motion in regression.motions] for one in candidate.model.hypotheses],
                 dtype=np.bool_,
             ).reshape(-1, len(regression.motions)),
         )

@@ -2,13 +2,9 @@ r"""What a model lacks on average in each trial: a constant torque of each joint
 
 An encoder that is set to zero anew before every recording, while dry friction holds the arm off its equilibrium,
 turns gravity by another angle in each; a cable pulls in another way. Nothing in one trial tells such an offset
-from a cause that acts in all of them, but the trials differ. So it is a random effect of zero mean, as part of the
-floor (`error_floor`): the equations of a trial have the common noise
-
-.. math:: o_{jk} \sim N(0, B_j)
-
-in addition, one number for each joint and trial. What is the same in all trials, drifts from one to the next, or
-changes once, as with a load, is no part of B but a cause: B is the scatter of successive trials.
+from a cause that acts in all of them, but the trials differ: their offsets are normal with a variance B. What is
+the same in all trials, drifts from one to the next, or changes once, as with a load, is no part of B but a cause:
+B is the scatter of successive trials.
 """
 
 from collections.abc import Sequence

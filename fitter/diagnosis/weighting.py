@@ -37,12 +37,9 @@ class Weighting(Whitening):
     holding : mapping of int to (n_sample, n_joint) [N m or N]
         Standard deviation of what may hold each joint, by the motions' numbers; inf, or no entry, where it is
         unknown.
-    offsets : (n_joint,) [N m or N]
-        Standard deviation of a constant torque that each trial lacks (`trial_offsets`).
     """
 
     holding: Mapping[int, Floats]
-    offsets: Floats
     _held: dict[int, tuple[Floats, Floats]] = field(default_factory=dict, init=False, repr=False)
     _n_effective: dict[int, Floats] = field(default_factory=dict, init=False, repr=False)
 
@@ -137,8 +134,6 @@ class Weighting(Whitening):
             anyhow.append(_at(j, holding_shapes(motion.contradicted[:, j], motion.dt_s), n_joint))
             if (std := motion.trial.target_std) is not None:
                 roughly.append(_at(j, np.full((n, 1), std[j]), n_joint))
-            if self.offsets[j]:
-                roughly.append(_at(j, np.full((n, 1), self.offsets[j]), n_joint))
         white = (self.white(np.concatenate(part, axis=2), motion.dt_s) for part in (anyhow, roughly))
         first, second = (rows.reshape(rows.shape[0] * n_joint, rows.shape[2]) for rows in white)
         return first, second

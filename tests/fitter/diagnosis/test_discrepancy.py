@@ -32,7 +32,7 @@ def resisted(motions: list[Measured], torque: Callable[[np.ndarray, np.ndarray],
 
 PLAIN = swings((), trials=12, seed=4)
 #: Much more than noise is left, and no more.
-MORE, NOTHING = (Floor(np.full(1, ratio), np.zeros(1), np.ones(1), np.zeros(1)) for ratio in (9.0, 1.0))
+MORE, NOTHING = (Floor(np.full(1, ratio), np.zeros(1), np.ones(1)) for ratio in (9.0, 1.0))
 
 
 @pytest.mark.parametrize(
@@ -67,11 +67,6 @@ def test_nothing_depends_on_nothing():
 def test_noise_is_no_function_of_anything():
     regression = regression_of(resisted(PLAIN, lambda q, dq: 0.8 * q**3), 5)
     assert describe(regression, fitted(regression, Model()), NOTHING).depends_on == ()
-
-
-def test_constant_torques_of_trials_are_part_of_it():
-    regression, floor = regression_of(PLAIN, 5), replace(MORE, offsets=np.full(1, 0.1))
-    assert describe(regression, fitted(regression, Model()), floor).trial_offsets_N_m == (0.1,)
 
 
 def test_a_soft_wall_outdoes_what_imitates_it():

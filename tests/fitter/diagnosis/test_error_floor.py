@@ -85,7 +85,7 @@ def test_exact_data_have_none(run, request):
 
 @given(st.floats(0.0, 10.0), st.floats(0.0, 10.0))
 def test_what_is_plain_is_something(one, other):
-    floor = Floor(np.array([one, other]), np.zeros(2), np.ones(2), np.zeros(2))
+    floor = Floor(np.array([one, other]), np.zeros(2), np.ones(2))
     assert not (floor.is_large and floor.is_none)
 
 

@@ -35,7 +35,7 @@ def whole(regression):
 def come_to(regression, final, scatter=1.0, ratio=9.0) -> Conclusion:
     """Return a conclusion whose final model leaves something, and whose numbers are known so well."""
     one = np.ones(regression.arm.n_joint)
-    floor, base = Floor(ratio * one, one, one, 0.0 * one), fitted(regression, Model())
+    floor, base = Floor(ratio * one, one, one), fitted(regression, Model())
     search = Search(base, final, [], base, [], [], floor, floor)
     numbers = estimates(regression, final)
     numbers = replace(numbers, covariance=scatter**2 * numbers.covariance)

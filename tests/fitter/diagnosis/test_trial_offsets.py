@@ -21,51 +21,39 @@ def plain():
     return regression_of_two(trials=2 * TRIALS)
 
 
-def lacking(regression, offsets):
-    """Return equations whose drives missed white torques, and a constant one (n_trial, n_joint) in each trial."""
+def missing(plain, offsets):
+    """Return equations whose drives miss white torques, and constant ones (n_trial, n_joint)."""
     rng = np.random.default_rng(3)
-    both = zip(regression.motions, [*offsets, *offsets], strict=True)
+    both = zip(plain.motions, [*offsets, *offsets], strict=True)
     motions = [replace(one, u=one.u + off + WHITE * rng.normal(size=one.u.shape)) for one, off in both]
-    return regression_of(regression.arm, motions)
+    return regression_of(plain.arm, motions)
 
 
-def found_in(regression):
-    """Return the offsets of a run under weights with its floor, and these weights."""
-    for _ in range(2):
-        own, weighted, _ = floored(regression, fitted(regression, Model()))
-        regression = regression.weighted_by(weighted)
-        regression.sensors = own
-    return regression.weighting.offsets, regression
+def found_in(plain, offsets):
+    """Return the offsets under weights of the white torques alone."""
+    white = missing(plain, np.zeros((TRIALS, 2)))
+    regression = missing(plain, offsets).weighted_by(floored(white, fitted(white, Model()))[1])
+    base = fitted(regression, Model())
+    return offset_sizes(regression.equations, regression.weighting, base.model, base.x, regression.learning)
 
 
 def test_offsets_of_one_joint_are_found_with_their_size(plain):
     offsets = np.zeros((TRIALS, 2))
     offsets[:, 0] = 0.5 * np.random.default_rng(4).normal(size=TRIALS)
-    found, _ = found_in(lacking(plain, offsets))
+    found = found_in(plain, offsets)
     # A median absolute deviation of 15 numbers is known to 30 % (Rousseeuw and Croux 1993), twice that is allowed.
     assert found[0] == pytest.approx(0.5, rel=0.6)
-    assert found[1] < 0.1 * found[0]
+    assert found[1] < 0.2 * found[0]  # what the base parameters that both equations have are bent by
 
 
 def test_without_any_there_are_none(plain):
-    found, _ = found_in(lacking(plain, np.zeros((TRIALS, 2))))
-    np.testing.assert_array_equal(found, 0.0)
+    np.testing.assert_array_equal(found_in(plain, np.zeros((TRIALS, 2))), 0.0)
 
 
 def test_what_all_trials_share_or_drifts_or_changes_once_is_no_offset(plain):
     one_by_one = np.arange(TRIALS)[:, None] * np.ones(2)
     for offsets in (np.full((TRIALS, 2), 0.5), 0.5 * (one_by_one > 9), 0.02 * one_by_one, 0.5 * (one_by_one == 5)):
-        found, _ = found_in(lacking(plain, offsets))
-        assert np.all(found < 0.1 * np.max(offsets))
-
-
-def test_equations_with_offsets_say_no_more_of_a_constant_than_its_scatter(plain):
-    offsets = 0.5 * np.random.default_rng(4).normal(size=(TRIALS, 2))
-    found, regression = found_in(lacking(plain, offsets))
-    motion = regression.learning[0]
-    constant = regression.weighting.filtered_at(motion, 0, np.full((len(motion.t), 1), found[0]))
-    assert float(np.sum(constant**2)) < 1.0  # one standard deviation of it has the information of one
-    assert float(np.sum(regression.weighting.whitened_at(motion, 0, np.ones((len(motion.t), 1))) ** 2)) > 10.0
+        assert np.all(found_in(plain, offsets) < 0.2 * np.max(offsets))
 
 
 @given(st.floats(-5.0, 5.0))
