@@ -13,7 +13,7 @@ from arm.arm_file import save_arm
 from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.commands.limb_kinematics import recordings_of
-from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
+from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS, UNKNOWN_RESIDUAL
 from fitter.marker_diagnosis.marker_finding import MarkerFinding, MarkerNumber, NamedMarkerCause, diagnose_markers
 from limbcal.command import Document, console, say_notes, show, to_json, with_asked
 from limbcal.digits import with_interval
@@ -123,10 +123,7 @@ def document(finding: MarkerFinding) -> Document:
         "before": UNKNOWN_ERRORS | {"marker_rms_mm": sizes[0]},
         "after": UNKNOWN_ERRORS | {"marker_rms_mm": sizes[1]},
         "gain": {"torque": None, "angle": None, "markers": finding.gain, "ci95": list(finding.ci95)},
-        "residual": {
-            **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
-            **{"explained": finding.gain, "white": finding.complete, "depends_on": []},
-        },
+        "residual": UNKNOWN_RESIDUAL | {"explained": finding.gain, "white": finding.complete},
     }
 
 

@@ -14,7 +14,7 @@ from arm.effects.catalogue import catalogue
 from arm.model import Arm
 from fitter.data.plausibility.refusal import Refusal
 from fitter.data.raw import RawRun, load_raw
-from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS
+from fitter.diagnosis.finding import UNKNOWN, UNKNOWN_ERRORS, UNKNOWN_RESIDUAL
 from fitter.reading_diagnosis.rigidity import diagnose_sensors
 from fitter.reading_diagnosis.sensor_verdict import SensorCause, SensorFinding
 from limbcal.command import Document, console, show, to_json, with_asked
@@ -110,8 +110,8 @@ def document(finding: SensorFinding) -> Document:
         "after": UNKNOWN_ERRORS | {"reading_rms_m_s2": dict(finding.after)},
         "gain": {"torque": None, "angle": None, "readings": finding.gain, "ci95": None},
         "structure": {"beyond_noise": finding.beyond_noise},
-        "residual": {
-            **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
+        "residual": UNKNOWN_RESIDUAL
+        | {
             "explained": finding.residual.explained,
             "white": finding.residual.white,
             "depends_on": list(finding.residual.depends_on),

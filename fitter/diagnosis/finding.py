@@ -239,15 +239,23 @@ UNKNOWN_ERRORS: dict[str, object] = {
     "angle_error_deg": {"mean": None, "rms": None, "max": None},
 }
 
+#: A residual torque of which nothing is known.
+UNKNOWN_RESIDUAL: dict[str, object] = {
+    "explained": None,
+    "white": None,
+    "depends_on": [],
+    "joint": None,
+    "formula": None,
+    "dependences": [],
+    "trial_offsets_N_m": None,
+}
+
 #: What stands in a document of ``fitter diagnose`` where no torque is diagnosed.
 UNKNOWN: dict[str, object] = {
     "polished": False,
     "polish": None,
     "judged": None,
-    "residual": {
-        **{"explained": None, "white": None, "depends_on": []},
-        **{"joint": None, "formula": None, "dependences": [], "trial_offsets_N_m": None},
-    },
+    "residual": UNKNOWN_RESIDUAL,
     "explained": None,
     "structure": {"beyond_noise": None},
     "suspected": [],

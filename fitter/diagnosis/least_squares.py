@@ -23,6 +23,8 @@ TINY = 1e-300
 #: Probability with which what is nothing passes for nothing, the field's usual one, and its standard errors.
 CONFIDENCE = 0.95
 EQUAL_SIGMAS = float(scipy.special.ndtri(0.5 + 0.5 * CONFIDENCE))
+#: Standard deviation of a normal distribution in units of its median absolute deviation.
+MAD_STD = 1.4826
 #: Standard deviations at which one of a run's some thousand samples is hardly ever by chance: one in 16 000.
 SIGMAS = 4.0
 #: A variance clearly exceeds another if it is this multiple of it: 3 dB.

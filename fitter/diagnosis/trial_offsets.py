@@ -13,13 +13,10 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.diagnosis.equations import Equations
-from fitter.diagnosis.least_squares import NEGLIGIBLE, ODDS_NATS
+from fitter.diagnosis.least_squares import MAD_STD, NEGLIGIBLE, ODDS_NATS
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.motion import Motion
 from fitter.diagnosis.weighting import Weighting
-
-#: Standard deviation of a normal distribution in units of its median absolute deviation.
-MAD_STD = 1.4826
 
 
 def offset_sizes(

@@ -6,12 +6,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
+from fitter.diagnosis.least_squares import MAD_STD
 from fitter.diagnosis.torque.background import Rows
 from fitter.diagnosis.torque.neighbours import neighbours
 from fitter.dynamics.robust import HUBER_SIGMAS
-
-#: Standard deviation of a normal distribution in units of its median absolute deviation.
-MAD_STD = 1.4826
 
 
 @dataclass(frozen=True)
