@@ -16,7 +16,6 @@ from fitter.diagnosis.torque.background import (
     Background,
     Rows,
     constant,
-    log_likelihood,
     n_torque,
     outputs,
     state_space,
@@ -26,6 +25,8 @@ from limbcal.compiled import compiled
 
 #: Step of differences, as a ratio to a number: about the cube root of rounding.
 _STEP = 1e-5
+#: Ratio of the frequencies of ringing from which ascents start: two octaves.
+_START_RATIO = 4.0
 
 
 def estimated(
@@ -80,20 +81,22 @@ def estimated(
         return -value / max(len(sizes), 1), -slopes * at(x).numbers / max(len(sizes), 1)
 
     def begun(ringing_rad_s: float) -> Floats:
-        part = 1.0 / np.sqrt(5.0 + n_signal)  # all parts of equal variance
-        start = [part, LONGEST_PULSE_S, part, ringing_rad_s, 0.5, part, part, 4.0, part]
+        part = 1.0 / np.sqrt(5.0 + n_signal)  # all parts of equal variance…
+        little = np.sqrt(0.1) * part  # …but one that rings: a large one takes over what another part does
+        start = [part, LONGEST_PULSE_S, little, ringing_rad_s, 0.5, part, part, 4.0, part]
         start += [*[part] * n_signal, *[LONGEST_PULSE_S] * n_signal]
         if near is not None:
             start = list(np.divide(near.numbers, units, out=np.array(start), where=units > 0.0))
         return np.asarray(np.clip(np.log(start), low, high))
 
-    # The likelihood has a maximum for every frequency that rings: of octaves the ascent starts near the greatest.
-    n_octave = int(np.ceil((ringing[1] - ringing[0]) / np.log(2.0)))
-    octaves = np.exp(np.linspace(*ringing, n_octave + 1)) if near is None else [near.ringing_rad_s]
-    begin = max(map(begun, octaves), key=lambda x: log_likelihood(at(x), trials))
     box = scipy.optimize.Bounds(low, high)
     options: dict[str, Any] = {"method": "L-BFGS-B", "jac": True, "options": {"ftol": tolerance}}
-    return at(scipy.optimize.minimize(loss, begin, bounds=box, **options).x)
+    # The likelihood has a maximum for every frequency that rings, and its value where an ascent starts does not
+    # tell how high that one leads. So one starts in every second octave: so wide is the resonance of a start.
+    n = int(np.ceil((ringing[1] - ringing[0]) / np.log(_START_RATIO)))
+    starts = np.exp(np.linspace(*ringing, n + 1)) if near is None else [near.ringing_rad_s]
+    ascents = [scipy.optimize.minimize(loss, begun(start), bounds=box, **options) for start in starts]
+    return at(min(ascents, key=lambda ascent: float(ascent.fun)).x)
 
 
 def log_likelihood_slopes(background: Background, trials: Sequence[Rows]) -> tuple[float, Floats]:

@@ -7,6 +7,7 @@ import numpy as np
 
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
+from fitter.diagnosis.torque.background import Background, Rows, outputs, state_space
 from fitter.diagnosis.torque.pulse import pulse_means
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
@@ -50,3 +51,16 @@ def filtered_pulse(start_s: float, duration_s: float, size: float, form: str, pa
     t = (np.arange(parts * round(LASTS_S / STEP_S)) - 0.5 * (parts - 1)) * fine_s
     samples = lowpass(size * pulse_means(t, fine_s, start_s, duration_s, form), fine_s, BAND_HZ)
     return np.asarray(samples.reshape(-1, parts).mean(axis=1))
+
+
+def drawn(model: Background, rows: Rows, rng: np.random.Generator) -> Rows:
+    """Return rows whose residual is drawn from a background of normal noise."""
+    F, Q, P, white = state_space(model.numbers, rows.step_s, rows.torque_noise, rows.angle_noise)
+    C, std = outputs(rows.signals, rows.step_s), np.sqrt(white + model.uneven_variance(rows))
+    state = rng.multivariate_normal(np.zeros(len(F)), P, method="svd")
+    new = rng.multivariate_normal(np.zeros(len(F)), Q, len(C), method="svd")
+    r = std * rng.standard_normal(len(C))
+    for k in range(len(C)):
+        r[k] += C[k] @ state
+        state = F @ state + new[k]
+    return replace(rows, r=r)

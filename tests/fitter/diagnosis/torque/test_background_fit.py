@@ -5,9 +5,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from fitter.diagnosis.least_squares import ODDS_NATS
 from fitter.diagnosis.torque.background import Background, log_likelihood
 from fitter.diagnosis.torque.background_fit import estimated, log_likelihood_slopes
-from tests.fitter.diagnosis.torque.residuals import trial
+from tests.fitter.diagnosis.torque.residuals import drawn, trial
 
 
 def background(**changed: float) -> Background:
@@ -69,3 +70,16 @@ def test_what_strikes_where_the_torque_changes_its_sign_is_found():
     found = estimated(parts)
     assert found.contact == pytest.approx(0.5, rel=0.35)
     assert np.hypot(found.std, found.ringing) == pytest.approx(0.05, rel=0.5)
+
+
+@pytest.mark.parametrize("ringing_rad_s", [8.0, 20.0, 50.0])
+def test_ringing_is_found_at_any_frequency_beside_a_large_signal(ringing_rad_s: float):
+    rng = np.random.default_rng(2)
+    part = trial(rng).rows(0)
+    curved = np.diff(rng.standard_normal(len(part.r) + 2), 2) / np.sqrt(6.0)  # of variance one
+    rings = background(std=0.02, ringing=0.1, ringing_rad_s=ringing_rad_s, damping_ratio=0.1, contact=1e-3)
+    signals = {"in_proportion": np.array([1e-3, 1e-3, 0.5]), "proportion_s": np.array([1.0, 1.0, 5.0])}
+    truth = replace(rings, **signals)
+    rows = [drawn(truth, replace(part, signals=np.column_stack([part.signals, curved])), rng)]
+    nearest = estimated(rows, truth)
+    assert log_likelihood(estimated(rows), rows) > log_likelihood(nearest, rows) - ODDS_NATS
