@@ -1,35 +1,26 @@
 """Which of the pushes that a model misses are causes, each as any cause must be, and what their numbers are."""
 
-from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
 
 from fitter.diagnosis.disturbance_pulses import DisturbancePulses
-from fitter.diagnosis.evidence import Fit
 from fitter.diagnosis.missed_pulses import fitted_with_pulses, missed_pulses, residual_torques, without_pulses
 from fitter.diagnosis.model import Candidate, Model
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.stepwise import Found, Stepwise
-from fitter.diagnosis.torque.pulse import Pulse
-from fitter.diagnosis.torque.pulses import at_likeliest
+from fitter.diagnosis.torque.likeliest_pulses import at_likeliest, still_likely
 from fitter.diagnosis.torque_likelihood import TorqueLikelihood
 
 
 def with_pulses(likelihood: TorqueLikelihood, search: Stepwise, found: Found) -> Found:
     """Return what a search has found with the pushes that its model misses, as far as these are causes.
 
-    The least evident of them go until the others are accepted as any cause is, and each has enough evidence beside
-    the others.
+    Together they are accepted as any cause is, or the least evident of them goes. Each is judged by the residual
+    over time, eq. (m.1), before that and beside all accepted causes. By blocks of a whole run a single one is not
+    judged: it is in one or two of them, of which nothing says how they scatter.
     """
     final = found.final
-
-    def fit_with(some: Sequence[Pulse]) -> Fit:
-        return likelihood.fit_of(fitted_with_pulses(likelihood.regression, final.candidate, some))
-
-    def without(some: Sequence[Pulse], one: Pulse) -> list[Pulse]:
-        return [other for other in some if other is not one]
-
     missed = missed_pulses(
         likelihood.regression,
         final.candidate,
@@ -37,13 +28,17 @@ def with_pulses(likelihood: TorqueLikelihood, search: Stepwise, found: Found) ->
     )
     tried = sorted(missed, key=lambda one: one.evidence)
     while tried:
-        weak = tried[:1]
-        if (accepted := search.extended(found, fit_with(tried))) is not None:
-            others = [(one, without(tried, one)) for one in tried if len(tried) > 1]
-            weak = [one for one, rest in others if not search.outweighs(accepted.final, fit_with(rest))]
-            if not weak:
-                return accepted
-        tried = without(tried, weak[0])
+        fit = likelihood.fit_of(fitted_with_pulses(likelihood.regression, final.candidate, tried))
+        accepted = search.extended(found, fit)
+        if accepted is None:
+            tried = tried[1:]
+            continue
+        residual = residual_torques(likelihood.regression, without_pulses(accepted.final.candidate))
+        likely = still_likely(residual, tried)
+        kept = [one for one in tried if any(map(one.overlaps, likely))]
+        if len(kept) == len(tried):
+            return accepted
+        tried = kept
     # The weights are those of what was not accepted.
     return replace(found, final=likelihood.reweighted(final)) if missed else found
 

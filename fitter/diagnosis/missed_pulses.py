@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 from scipy.ndimage import binary_dilation, binary_opening
@@ -15,8 +16,10 @@ from fitter.diagnosis.model import Candidate
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.regression import Regression
 from fitter.diagnosis.robust_fit import robustly_fitted
+from fitter.diagnosis.torque.likeliest_pulses import still_likely
 from fitter.diagnosis.torque.pulse import Pulse, are_same
-from fitter.diagnosis.torque.pulses import find_pulses, residual_log_evidence
+from fitter.diagnosis.torque.pulse_evidence import residual_log_evidence
+from fitter.diagnosis.torque.pulses import find_pulses
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 
@@ -26,7 +29,8 @@ def missed_pulses(
     """Return the pushes that are found in what a model misses.
 
     The residual of a cause that was just too weak to be accepted is no push: a push is also likelier than not
-    given each model that is not excluded, unless all pushes together are a hundred times likelier than that model.
+    beside each model that is not excluded, unless all pushes together are a hundred times likelier than that
+    model.
 
     Parameters
     ----------
@@ -36,9 +40,9 @@ def missed_pulses(
     possible : callable, optional
         Returns models with one cause more that are not excluded, and what that cause costs [nats].
     """
-    found = _found(regression, final, ODDS_NATS)
+    found = _found(regression, final, find_pulses)
     for other, cost in possible() if found else ():
-        likely = _found(regression, other, 0.0)
+        likely = _found(regression, other, partial(still_likely, pulses=found))
         kept = [one for one in found if any(map(one.overlaps, likely))]
         if len(kept) < len(found) and cost + _gain(regression, (final, found), (other, likely)) < ODDS_NATS:
             found = kept
@@ -47,8 +51,10 @@ def missed_pulses(
     return found
 
 
-def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse]:
-    """Return the pushes in what a model misses whose log odds are large enough.
+def _found(
+    regression: Regression, final: Candidate, sought: Callable[[Sequence[ResidualTorque]], list[Pulse]]
+) -> list[Pulse]:
+    """Return the pushes that are sought in what a model misses.
 
     Pushes bend the parameters of the model that they are sought in. So it is fitted anew beside those that were
     found, robustly, for some may yet be missed; and they are sought anew until the same are found again. Those
@@ -57,9 +63,8 @@ def _found(regression: Regression, final: Candidate, least: float) -> list[Pulse
     rounds = list[tuple[float, list[Pulse]]]()
     found = list[Pulse]()
     for _ in range(ITERATIONS):
-        beside = robustly_fitted(regression, fitted_with_pulses(regression, final, found))
-        residual = residual_torques(regression, without_pulses(beside, len(final.model.hypotheses)))
-        found = find_pulses(residual, least)
+        residual = _residuals_beside(regression, final, found)
+        found = sought(residual)
         rounds.append((residual_log_evidence(residual, found), found))
         if not found or any(are_same(found, one) for _, one in rounds[:-1]):
             break
@@ -70,15 +75,18 @@ def _gain(
     regression: Regression, one: tuple[Candidate, list[Pulse]], other: tuple[Candidate, list[Pulse]]
 ) -> float:
     """Return by how much the residual of a model with pushes is likelier than another's, where both are known."""
-    residuals = []
-    for model, found in (one, other):
-        candidate = robustly_fitted(regression, fitted_with_pulses(regression, model, found))
-        residuals.append(residual_torques(regression, without_pulses(candidate, len(model.model.hypotheses))))
+    residuals = [_residuals_beside(regression, *both) for both in (one, other)]
     known = [a.known & b.known for a, b in zip(*residuals, strict=True)]
     shared = [
         [replace(trial, known=where) for trial, where in zip(trials, known, strict=True)] for trials in residuals
     ]
     return residual_log_evidence(shared[0], one[1]) - residual_log_evidence(shared[1], other[1])
+
+
+def _residuals_beside(regression: Regression, model: Candidate, pulses: Sequence[Pulse]) -> list[ResidualTorque]:
+    """Return what a model misses that was fitted robustly beside some pushes, without these."""
+    beside = robustly_fitted(regression, fitted_with_pulses(regression, model, pulses))
+    return residual_torques(regression, without_pulses(beside, len(model.model.hypotheses)))
 
 
 def without_pulses(candidate: Candidate, first: int = 0) -> Candidate:

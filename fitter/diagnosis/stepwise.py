@@ -164,11 +164,6 @@ class Stepwise:
         accepted = self._accepted(fit, list(found.steps), more)
         return None if accepted is None else replace(found, final=accepted[0], steps=tuple(accepted[1]))
 
-    def outweighs(self, fit: Fit, smaller: Fit) -> bool:
-        """Say whether what a model has more than a smaller one has the evidence of a cause."""
-        more, fewer = (sum(map(self._against, one.candidate.model.hypotheses)) for one in (fit, smaller))
-        return log_evidence(fit, smaller, more - fewer) >= ODDS_NATS
-
     def possible(self, fit: Fit) -> list[tuple[Fit, float]]:
         """Return a model with one hypothesis more, for all that are not a hundred times less likely than it.
 

@@ -203,6 +203,12 @@ def n_torque(F: Floats) -> int:
     return len(F) - _N_ANGLE
 
 
+def rms(trials: Sequence[Rows]) -> float:
+    """Return the rms of the trials' known rows [N m], 1 if all are zero or none is known."""
+    known = np.concatenate([rows.r[rows.known] for rows in trials])
+    return float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
+
+
 def log_likelihood(background: Background, trials: Sequence[Rows]) -> float:
     """Return the log likelihood of the trials' known rows: Student's density of the innovations [nats]."""
     nu = background.degrees_of_freedom

@@ -94,6 +94,12 @@ class Search:
         rows = self.rows.r if r is None else r
         return either([self._refined(rows, *place, form, evidence) for form in FORMS])
 
+    def again(self, pulse: Pulse) -> Pulse:
+        """Return the likeliest pulse near another one, with the evidence of all places that overlap that one."""
+        at_places, _ = self.evidence(self.rows.r, self.fit & self._overlapping(pulse))
+        evidence = float(np.logaddexp.reduce(at_places, axis=None))
+        return self.near((pulse.start_s, pulse.duration_s), evidence)
+
     def _innovations(self, r: Floats) -> Floats:
         return self.kalman.weighted(r, self.nu).innovations(r)
 

@@ -16,10 +16,11 @@ import scipy
 
 from arm.model import Floats
 from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
-from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, log_likelihood
+from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows, log_likelihood, rms
 from fitter.diagnosis.torque.background_fit import estimated
 from fitter.diagnosis.torque.neighbours import beside_neighbours, neighbours
-from fitter.diagnosis.torque.pulse import Pulse, Shapes, are_same, without
+from fitter.diagnosis.torque.pulse import Pulse, are_same, without
+from fitter.diagnosis.torque.pulse_evidence import cost, count_places, log_evidence, log_places
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 from fitter.parallel.forked import side_by_side
@@ -121,7 +122,7 @@ def _at_joint(rows: Sequence[Rows], joint: int, n_joint: int, odds: float) -> li
     the likelier of both answers is returned. All of its pulses together are likelier than a background without
     any: the least evident ones go until they are.
     """
-    whole, n_place = estimated(rows), _n_place(rows, n_joint)
+    whole, n_place = estimated(rows), count_places(rows, n_joint)
 
     def beside(background: Background) -> tuple[float, list[Pulse]]:
         """Return the pulses found by a background, and the log evidence of all of them [nats]."""
@@ -137,66 +138,7 @@ def _joint_log_evidence(rows: Sequence[Rows], pulses: Sequence[Pulse], whole: Ba
     """Return the log evidence of some pulses against the likeliest background without any [nats]."""
     remaining = without(rows, pulses)
     gain = log_likelihood(estimated(remaining, whole), remaining) - log_likelihood(whole, rows)
-    return gain - _cost(pulses, n_place)
-
-
-def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> float:
-    """Return the log evidence of a residual: some pulses and the likeliest background of each joint [nats].
-
-    Parameters
-    ----------
-    trials : sequence of ResidualTorque
-    pulses : sequence of Pulse
-        As they were found in these trials.
-    """
-    n_joint, total = trials[0].r.shape[1], 0.0
-    for joint in range(n_joint):
-        rows, own = [trial.rows(joint) for trial in trials], [one for one in pulses if one.joint == joint]
-        remaining = without(rows, own)
-        total += log_likelihood(estimated(remaining), remaining) - _cost(own, _n_place(rows, n_joint))
-    return total
-
-
-def at_likeliest(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> list[Pulse]:
-    """Return pulses at their likeliest places and sizes, beside the background that is likeliest without all.
-
-    Parameters
-    ----------
-    trials : sequence of ResidualTorque
-        Of a model without any of them.
-    pulses : sequence of Pulse
-        Near to where they are.
-    """
-    joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
-    now = list(pulses)
-    for _ in range(ITERATIONS):
-        before, now = now, [_beside_others(joints, now, k) for k in range(len(now))]
-        moved = [abs(a.impulse - b.impulse) / b.impulse_std for a, b in zip(before, now, strict=True)]
-        if max(moved, default=0.0) < NEGLIGIBLE:
-            break
-    return now
-
-
-def _beside_others(joints: Sequence[Sequence[Rows]], pulses: Sequence[Pulse], place: int) -> Pulse:
-    """Return one of some pulses at its likeliest place, the others where they are."""
-    one = pulses[place]
-    rows = beside_neighbours(joints, one.joint, pulses)
-    own = [pulse for pulse in pulses if pulse.joint == one.joint]
-    background = estimated(without(rows, own))
-    alone = without(rows, [pulse for pulse in own if pulse is not one])[one.trial]
-    search = Search(one.trial, one.joint, alone, background, abs(one.torque_N_m))
-    return search.near((one.start_s, one.duration_s), one.evidence)
-
-
-def _cost(pulses: Sequence[Pulse], n_place: int) -> float:
-    """Return what the places of some pulses and the priors of their sizes cost [nats]."""
-    sized = sum(pulse.log_likelihood_ratio - pulse.evidence for pulse in pulses)
-    return float(sized + sum(_log_places(n_place, k + 1) for k in range(len(pulses))))
-
-
-def _n_place(rows: Sequence[Rows], n_joint: int) -> int:
-    """Return at how many places a pulse may be."""
-    return n_joint * sum(int(np.count_nonzero(Shapes.of(part).fit(part))) for part in rows)
+    return gain - cost(pulses, n_place)
 
 
 def _found_with(
@@ -209,12 +151,11 @@ def _found_with(
     these, those are found that are so likely as any cause must be, each held against the background that is
     likeliest without it.
     """
-    known = np.concatenate([part.r[part.known] for part in rows])
-    size = float(np.sqrt(np.sum(known**2) / max(len(known), 1))) or 1.0
+    size = rms(rows)
 
     def sought(background: Background, known: int) -> tuple[list[Pulse], Floats, float]:
         """Return the pulses beside some that are known, the evidence of all other blocks, and the least of one."""
-        least = _log_places(n_place, known + 1)
+        least = log_places(n_place, known + 1)
         searches = [Search(k, joint, part, background, size) for k, part in enumerate(rows)]
         pulses = [pulse for search in searches for pulse in search.found(least)]
         return pulses, np.concatenate([search.evidence_by_block() for search in searches]), least
@@ -224,7 +165,7 @@ def _found_with(
     while likely and len(rounds) < ITERATIONS and not any(are_same(likely, pulses) for _, pulses, _ in rounds):
         unpushed = without(rows, likely)
         background = estimated(unpushed, background)
-        nats = log_likelihood(background, unpushed) - _cost(likely, n_place)
+        nats = log_likelihood(background, unpushed) - cost(likely, n_place)
         rounds.append((nats, likely, background))
         likely, remaining, least = sought(background, len(likely))
     if not rounds:
@@ -233,13 +174,13 @@ def _found_with(
     if likeliest is not background:
         background, (_, remaining, least) = likeliest, sought(likeliest, len(likely))
     tail = Tail.of(remaining, least)
-    places, blocks = _log_places(n_place, len(likely)), np.log(max(n_joint * len(remaining), 1))
+    places, blocks = log_places(n_place, len(likely)), np.log(max(n_joint * len(remaining), 1))
 
     def is_one(pulse: Pulse) -> bool:
         is_sized = pulse.sigmas > EQUAL_SIGMAS  # as of any cause
         # Beside a background that is estimated anew it is less evident: what is not enough before is not then.
         for anew in (False, True):
-            nats = _log_evidence(rows, likely, pulse, background, anew) if is_sized else -np.inf
+            nats = log_evidence(rows, likely, pulse, background, anew) if is_sized else -np.inf
             if not min(nats - places, tail.surprisal(nats) - blocks) > odds:
                 return False
         return True
@@ -262,35 +203,3 @@ def _usual(whole: Background, rows: Sequence[Rows], share: float = 0.75) -> Back
         replace(part, known=part.known & (density >= least)) for density, part in zip(densities, rows, strict=True)
     ]
     return estimated(usual, whole)
-
-
-def _log_places(n_place: int, k: int) -> float:
-    """Return how many more sets of places there are for k pulses than for one fewer, as a logarithm.
-
-    All sets of k pulses are equally likely beforehand, and that there are k of them with 1 / (k (k + 1)).
-    """
-    if k == 0:
-        return 0.0
-    more = (k + 1.0) / (k - 1.0) if k > 1 else 2.0
-    return float(np.log(max(n_place - k + 1, k) / k * more))
-
-
-def _log_evidence(
-    rows: Sequence[Rows], pulses: Sequence[Pulse], one: Pulse, background: Background, anew: bool
-) -> float:
-    """Return the log evidence of one of some pulses, without the number of its places [nats].
-
-    Parameters
-    ----------
-    rows : sequence of Rows
-    pulses : sequence of Pulse
-    one : Pulse
-    background : Background
-        The likeliest without all of them.
-    anew : bool
-        Whether it is held against the likeliest without the others.
-    """
-    alone = without(rows, [pulse for pulse in pulses if pulse is not one])
-    holding = estimated(alone, background) if anew else background
-    gain = log_likelihood(background, without(rows, pulses)) - log_likelihood(holding, alone)
-    return gain + one.evidence - one.log_likelihood_ratio
