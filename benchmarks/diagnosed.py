@@ -31,8 +31,10 @@ def by_entry_point(learn: Path, evaluate: Path, arm: Path) -> Found:
     return document
 
 
-def by_command(learn: Sequence[Path], evaluate: Sequence[Path], arm: Path, out: Path) -> Found:
-    """Return what ``fitter diagnose --json`` says, called as from a shell, but in this process.
+def by_command(
+    learn: Sequence[Path], evaluate: Sequence[Path], arm: Path, out: Path, options: Sequence[str] = ()
+) -> Found:
+    """Return what ``fitter diagnose --json`` says with some options, called as from a shell, but in this process.
 
     Raises
     ------
@@ -42,7 +44,7 @@ def by_command(learn: Sequence[Path], evaluate: Sequence[Path], arm: Path, out: 
     answer, words = io.StringIO(), io.StringIO()
     sets = [*map(str, learn), "--evaluate", *map(str, evaluate)]
     with contextlib.redirect_stdout(answer), contextlib.redirect_stderr(words):
-        code = main(["diagnose", *sets, "--arm", str(arm), "--out", str(out), "--json", "--debug"])
+        code = main(["diagnose", *sets, "--arm", str(arm), "--out", str(out), *options, "--json", "--debug"])
     if code != 0:
         raise RuntimeError(f"fitter diagnose ended with {code}: {words.getvalue()[-_KEPT:]}")
     document: Found = json.loads(answer.getvalue())

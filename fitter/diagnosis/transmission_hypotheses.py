@@ -27,8 +27,8 @@ from fitter.diagnosis.motion import HypotheticalMotion, Motion
 class TransmissionHypothesis(Hypothesis):
     """Something that lets the link's angle differ from the motor's."""
 
-    #: Twists at the greatest torque, and gaps, that are tried first [rad].
-    twists = np.geomspace(1e-3, 0.3, 8)
+    #: Twists at the greatest torque, and gaps, that are tried first [rad]: from what an encoder of 16 bits tells.
+    twists = np.geomspace(2.0 * np.pi / 2**16, 0.3, 10)
 
     @abstractmethod
     def change(self, hypothetical: HypotheticalMotion, psi: Floats) -> Floats:

@@ -73,3 +73,15 @@ def test_while_its_motor_may_be_anywhere_in_a_play_a_links_motion_is_guessed(mot
     pulled = np.concatenate([np.abs(motion.u[:, 0]) for motion in motions])
     assert 0.0 < guessed.mean() < 0.5
     assert np.median(pulled[guessed]) < 0.5 * np.median(pulled[~guessed])
+
+
+@pytest.mark.parametrize("stiff", [8e3, 9e4])
+def test_a_stiff_spring_is_begun_with_near_its_compliance(stiff):
+    """A start of more than twice the true compliance fits worse than none."""
+    effect = Effect("joint_elasticity", {"stiffness_N_m_rad": stiff, "damping_N_m_s": 0.002 * stiff}, joints=(1,))
+    trials = to_trials(swings((effect,), trials=4, seed=3), cutoff_hz=25.0)
+    some = run_of(pendulum(), trials[:3], trials[3:])
+    regression = regression_of(pendulum(), some)
+    spring = Elasticity(catalogue()["joint_elasticity"], (0,))
+    begun = [fitted(regression, Model().plus(spring, psi), refine=False) for psi in spring.starts(some)]
+    assert min(float(one.squares.sum()) for one in begun) < float(fitted(regression, Model()).squares.sum())
