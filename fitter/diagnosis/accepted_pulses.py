@@ -1,4 +1,4 @@
-"""Which of the pushes that a model misses are causes, each as any cause must be, and what their numbers are."""
+"""Which of the pushes that a model misses are causes, all together as any cause is, and what their numbers are."""
 
 from dataclasses import replace
 

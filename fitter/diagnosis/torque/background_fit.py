@@ -27,6 +27,8 @@ from limbcal.compiled import compiled
 _STEP = 1e-5
 #: Ratio of the frequencies of ringing from which ascents start: two octaves.
 _START_RATIO = 4.0
+#: Variance of a start's ringing, as a ratio to that of any other part (by trial, see decisions/022).
+_START_RINGING = 0.1
 
 
 def estimated(
@@ -82,7 +84,7 @@ def estimated(
 
     def begun(ringing_rad_s: float) -> Floats:
         part = 1.0 / np.sqrt(5.0 + n_signal)  # all parts of equal variance…
-        little = np.sqrt(0.1) * part  # …but one that rings: a large one takes over what another part does
+        little = np.sqrt(_START_RINGING) * part  # …but ringing: a large one takes over what another part does
         start = [part, LONGEST_PULSE_S, little, ringing_rad_s, 0.5, part, part, 4.0, part]
         start += [*[part] * n_signal, *[LONGEST_PULSE_S] * n_signal]
         if near is not None:

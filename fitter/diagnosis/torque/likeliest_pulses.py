@@ -9,7 +9,7 @@ from fitter.diagnosis.torque.neighbours import beside_neighbours
 from fitter.diagnosis.torque.pulse import Pulse, without
 from fitter.diagnosis.torque.pulse_evidence import count_places, log_evidence, log_places
 from fitter.diagnosis.torque.pulse_search import Search
-from fitter.diagnosis.torque.residual_torque import ResidualTorque
+from fitter.diagnosis.torque.residual_torque import ResidualTorque, rows_by_joint
 
 
 def at_likeliest(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> list[Pulse]:
@@ -22,7 +22,7 @@ def at_likeliest(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> l
     pulses : sequence of Pulse
         Near to where they are.
     """
-    joints = _by_joint(trials)
+    joints = rows_by_joint(trials)
     now, backgrounds = list(pulses), _backgrounds(joints, pulses, {})
     for _ in range(ITERATIONS):
         before, now = now, _moved(joints, now, backgrounds)
@@ -45,7 +45,7 @@ def still_likely(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> l
     pulses : sequence of Pulse
         Near to where they would be.
     """
-    joints, kept = _by_joint(trials), list(pulses)
+    joints, kept = rows_by_joint(trials), list(pulses)
     backgrounds = _backgrounds(joints, kept, {})
     while kept:
         kept = _moved(joints, kept, backgrounds)
@@ -55,10 +55,6 @@ def still_likely(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> l
         del kept[odds.index(min(odds))]
         backgrounds = _backgrounds(joints, kept, backgrounds)
     return kept
-
-
-def _by_joint(trials: Sequence[ResidualTorque]) -> list[list[Rows]]:
-    return [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
 
 
 def _of_joint(

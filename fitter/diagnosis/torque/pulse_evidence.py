@@ -7,7 +7,7 @@ import numpy as np
 from fitter.diagnosis.torque.background import Background, Rows, log_likelihood
 from fitter.diagnosis.torque.background_fit import estimated
 from fitter.diagnosis.torque.pulse import Pulse, Shapes, without
-from fitter.diagnosis.torque.residual_torque import ResidualTorque
+from fitter.diagnosis.torque.residual_torque import ResidualTorque, rows_by_joint
 
 
 def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pulse]) -> float:
@@ -19,11 +19,11 @@ def residual_log_evidence(trials: Sequence[ResidualTorque], pulses: Sequence[Pul
     pulses : sequence of Pulse
         As they were found in these trials.
     """
-    n_joint, total = trials[0].r.shape[1], 0.0
-    for joint in range(n_joint):
-        rows, own = [trial.rows(joint) for trial in trials], [one for one in pulses if one.joint == joint]
+    joints, total = rows_by_joint(trials), 0.0
+    for joint, rows in enumerate(joints):
+        own = [one for one in pulses if one.joint == joint]
         remaining = without(rows, own)
-        total += log_likelihood(estimated(remaining), remaining) - cost(own, count_places(rows, n_joint))
+        total += log_likelihood(estimated(remaining), remaining) - cost(own, count_places(rows, len(joints)))
     return total
 
 

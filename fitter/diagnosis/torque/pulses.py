@@ -22,7 +22,7 @@ from fitter.diagnosis.torque.neighbours import beside_neighbours, neighbours
 from fitter.diagnosis.torque.pulse import Pulse, are_same, without
 from fitter.diagnosis.torque.pulse_evidence import cost, count_places, log_evidence, log_places
 from fitter.diagnosis.torque.pulse_search import Search
-from fitter.diagnosis.torque.residual_torque import ResidualTorque
+from fitter.diagnosis.torque.residual_torque import ResidualTorque, rows_by_joint
 from fitter.parallel.forked import side_by_side
 
 
@@ -98,7 +98,7 @@ def find_pulses(trials: Sequence[ResidualTorque], least: float = ODDS_NATS) -> l
     -------
     list of Pulse
     """
-    joints = [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
+    joints = rows_by_joint(trials)
     found, rounds = [list[Pulse]() for _ in joints], [list[Pulse]()]
     due = list(range(len(joints)))
     while due:

@@ -1,5 +1,6 @@
 """The residual torque over time, in the rows in which pulses are sought."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -92,6 +93,11 @@ class ResidualTorque:
             seen & ~known,
         )
         return Rows(means(self.t), means(self.r[:, joint]), known, means(signals), m, self.band_hz, *noises)
+
+
+def rows_by_joint(trials: Sequence[ResidualTorque]) -> list[list[Rows]]:
+    """Return the rows of every joint, of every trial."""
+    return [[trial.rows(joint) for trial in trials] for joint in range(trials[0].r.shape[1])]
 
 
 def _outlying(r: Floats, known: NDArray[np.bool_]) -> Floats:

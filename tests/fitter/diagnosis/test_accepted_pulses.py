@@ -1,4 +1,4 @@
-"""Each push is a cause by itself: none is one because it was found beside another."""
+"""Pushes are causes together, and each is evident over time: none is one because it was found beside another."""
 
 import numpy as np
 import pytest
