@@ -18,7 +18,8 @@ from fitter.diagnosis.least_squares import EQUAL_SIGMAS
 from fitter.diagnosis.model import Hypothesis
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
 from fitter.diagnosis.sharp_columns import behind_filter
-from fitter.diagnosis.torque.pulse import Pulse, pulse_area
+from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.torque.pulse_column import pulse_area
 
 _NUMBERS = ("start_s", "duration_s", "torque_N_m")
 

@@ -24,7 +24,7 @@ from fitter.diagnosis.hypotheses import made
 from fitter.diagnosis.joint_hypotheses import JointHypothesis, depends_on
 from fitter.diagnosis.model import ActionOrder, Hypothesis, Model, is_one
 from fitter.diagnosis.motion import HypotheticalMotion, Motion
-from fitter.diagnosis.torque.pulse import pulse_means
+from fitter.diagnosis.torque.pulse_column import pulse_means
 from fitter.diagnosis.trial_clocks import on_run, on_trials
 
 

@@ -170,6 +170,44 @@ def innovations(
 
 
 @compiled
+def response(
+    F: Floats,
+    C: Floats,
+    gain: Floats,
+    S: Floats,
+    known: NDArray[np.bool_],
+    column: Floats,
+    first: int,
+    settled: float,
+) -> Floats:
+    """Return the standardised innovations of a column, and of the zeros behind it until they have settled, (k,).
+
+    Parameters
+    ----------
+    column : (m,)
+        From the row `first` on; zero before it and behind it.
+    settled : float
+        They have settled when as many known rows as the column has have less than this part of the largest.
+    """
+    x, y, out = np.zeros(C.shape[1]), np.zeros(C.shape[1]), np.zeros(len(C) - first)
+    at = np.argwhere(F != 0.0)
+    largest, calm = 0.0, 0
+    for row in range(len(out)):
+        k = first + row
+        if known[k]:
+            e = _innovation(C[k], x, column[row] if row < len(column) else 0.0)
+            out[row] = e / np.sqrt(S[k])
+            for i in range(len(x)):
+                x[i] += gain[k, i] * e
+            largest = max(largest, abs(out[row]))
+            calm = calm + 1 if abs(out[row]) < settled * largest else 0
+            if row >= len(column) and calm >= len(column):
+                return out[: row + 1]
+        _step(F, at, x, y)
+    return out
+
+
+@compiled
 def predicted(F: Floats, C: Floats, gain: Floats, known: NDArray[np.bool_], r: Floats) -> Floats:
     """Return the states that are expected before each row of a residual, (n, d)."""
     n, d = C.shape

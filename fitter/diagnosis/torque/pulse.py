@@ -8,10 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.data.derivatives import lowpass, settling_samples
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
+from fitter.diagnosis.torque.pulse_column import FORMS, in_rows, seen
 
-FORMS = ("rectangular", "bell")
 #: Rows of the shortest pulse that has a duration: a period of the band's corner.
 SHORTEST_ROWS = 2
 #: Ratio of durations sought: two an octave, neighbours correlated by 0.84.
@@ -86,66 +85,6 @@ def are_same(some: Sequence[Pulse], others: Sequence[Pulse]) -> bool:
     return len(some) == len(others) and all(any(map(one.overlaps, others)) for one in some)
 
 
-def pulse_means(t: Floats, step_s: float, start_s: float, duration_s: float, form: str) -> Floats:
-    """Return the means of a pulse of size one over the steps about evenly spaced instants, (n,)."""
-    ends = np.append(t - 0.5 * step_s, t[-1:] + 0.5 * step_s)
-    return np.asarray(np.diff(pulse_area(ends, start_s, duration_s, form)) / step_s)
-
-
-def pulse_area(until: Floats, start_s: float, duration_s: float, form: str) -> Floats:
-    """Return the area of a pulse of size one until each instant, (n,) [s]."""
-    if form == "rectangular":
-        return np.clip(until - start_s, 0.0, duration_s)
-    u = np.clip((until - start_s) / (2.0 * duration_s) + 0.25, 0.0, 1.0)
-    return np.asarray(duration_s * (u - np.sin(2.0 * np.pi * u) / (2.0 * np.pi)))
-
-
-def seen(
-    rows: Rows, start_s: float, duration_s: float, form: str, reach_s: float | None = None
-) -> tuple[int, Floats]:
-    """Return a pulse of size one as rows see it: behind their low-pass filter, as means over each row's samples.
-
-    The filter reaches for ``reach_s``; until it has settled if None.
-
-    Returns
-    -------
-    first : int
-        The first row that it touches.
-    column : (m,)
-        From there on, as long again as it lasts after its end: what follows from it in the background.
-    """
-    step_s = rows.step_s / rows.n_sample
-    if reach_s is None:
-        reach_s = step_s * settling_samples(step_s, rows.band_hz) + rows.step_s  # a row is a mean
-    first_s, last_s = _reach(start_s, duration_s, form)
-    first, last = np.searchsorted(rows.t, [first_s - reach_s, last_s + reach_s])
-    n_sample = (last - first) * rows.n_sample
-    begin_s = rows.t[0] + (first - 0.5) * rows.step_s + 0.5 * step_s
-    samples = pulse_means(begin_s + step_s * np.arange(n_sample), step_s, start_s, duration_s, form)
-    if not n_sample:
-        return int(first), samples
-    response = _impulse_response(step_s, rows.band_hz)
-    passed = np.convolve(samples, response)[len(response) // 2 :][:n_sample]
-    return int(first), np.asarray(passed.reshape(-1, rows.n_sample).mean(axis=1))
-
-
-@cache
-def _impulse_response(step_s: float, band_hz: float) -> Floats:
-    """Return the low-pass filter's response to one sample of one, symmetric, until it has settled."""
-    reach = 2 * settling_samples(step_s, band_hz)
-    one = np.zeros(4 * reach + 1)
-    one[2 * reach] = 1.0
-    return lowpass(one, step_s, band_hz)[reach : 3 * reach + 1]
-
-
-def in_rows(rows: Rows, start_s: float, duration_s: float, form: str) -> Floats:
-    """Return a pulse of size one in all rows, (n,)."""
-    column = np.zeros(len(rows.t))
-    first, part = seen(rows, start_s, duration_s, form)
-    column[first : first + len(part)] = part
-    return column
-
-
 def without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
     """Return the residuals of the trials without some pulses."""
     remaining = [replace(part, r=part.r.copy()) for part in rows]
@@ -154,12 +93,6 @@ def without(rows: Sequence[Rows], pulses: Sequence[Pulse]) -> list[Rows]:
         place = pulse.start_s, pulse.duration_s, pulse.form
         part.r[:] -= pulse.torque_N_m * in_rows(part, *place)
     return remaining
-
-
-def _reach(start_s: float, duration_s: float, form: str) -> tuple[float, float]:
-    """Return from when to when a pulse is felt [s]: its torque, and as long as it lasts what follows from it."""
-    beyond = 0.0 if form == "rectangular" else 0.5 * duration_s
-    return start_s - beyond, start_s + 2.0 * duration_s + beyond
 
 
 def either(forms: Sequence[Pulse]) -> Pulse:

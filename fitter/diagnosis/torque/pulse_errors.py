@@ -6,7 +6,8 @@ from arm.model import Floats
 from fitter.diagnosis.least_squares import TINY
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Rows
 from fitter.diagnosis.torque.kalman import Filter
-from fitter.diagnosis.torque.pulse import DURATION_RATIO, in_rows
+from fitter.diagnosis.torque.pulse import DURATION_RATIO
+from fitter.diagnosis.torque.pulse_column import in_rows
 
 #: Start, duration and size by start, end and size.
 _OF_ENDS = np.array([[1.0, 0.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])

@@ -4,24 +4,18 @@ from collections.abc import Iterator
 from functools import cached_property
 
 import numpy as np
-import scipy
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import EQUAL_SIGMAS, ITERATIONS, NEGLIGIBLE, SETTLED
+from fitter.diagnosis.least_squares import NEGLIGIBLE, SETTLED
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
-from fitter.diagnosis.torque.pulse import (
-    FORMS,
-    SHORTEST_ROWS,
-    Pulse,
-    Shapes,
-    either,
-    in_rows,
-    seen,
-)
+from fitter.diagnosis.torque.pulse import SHORTEST_ROWS, Pulse, Shapes, either
+from fitter.diagnosis.torque.pulse_column import FORMS, in_rows
 from fitter.diagnosis.torque.pulse_errors import place_errors
+from fitter.diagnosis.torque.pulse_place import likeliest_place
 from fitter.diagnosis.torque.rests import amid, filtered_with_rests, with_rests
+from fitter.diagnosis.torque.student_ratio import likeliest_ratio, likeliest_size, log_loss, log_ratio
 from limbcal.compiled import compiled
 
 
@@ -137,16 +131,16 @@ class Search:
         rows, own = self.rows, self.kalman
         kalman = own
         for _ in range(2):
-            start_s, duration_s, size = self._likeliest(r, kalman, (start_s, duration_s), form)
+            start_s, duration_s, size = likeliest_place(rows, kalman, self.nu, r, (start_s, duration_s), form)
             if abs(size) > 2.0 * float(rows.friction.max()):
                 rows, own = self._with_rests
             start_s, duration_s, before, after = amid(rows, start_s, duration_s)
             column = in_rows(rows, start_s, duration_s, form)
-            remaining = r - _ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1] * column
+            remaining = r - likeliest_ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1] * column
             kalman = own.weighted(remaining, self.nu)
-            size = _ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1]
+            size = likeliest_ratio(kalman.innovations(r), kalman.innovations(column), self.nu)[1]
         remaining = r - size * column
-        ratio = _log_ratio(kalman.innovations(remaining), own.weighted(r, self.nu).innovations(r), self.nu)
+        ratio = log_ratio(kalman.innovations(remaining), own.weighted(r, self.nu).innovations(r), self.nu)
         place = start_s, duration_s, form
         covariance, places = place_errors(rows, kalman, self.nu, place, size, (before, after))
         slope = np.array([0.0, size, duration_s])  # of the impulse
@@ -161,59 +155,6 @@ class Search:
         mean = float(np.logaddexp(evidence, laplace) - np.log(2.0))
         found = start_s, duration_s, size, *errors
         return Pulse(self.trial, self.joint, *found, form, ratio, mean, (before, after))
-
-    def _likeliest(
-        self, r: Floats, kalman: Filter, near: tuple[float, float], form: str
-    ) -> tuple[float, float, float]:
-        """Return start, duration and size of a pulse near a place.
-
-        A large pulse is many standard deviations off wherever its place is not exact, and Student's likelihood has
-        maxima elsewhere. So it is sought with the noise as large as what is off there first (graduated
-        non-convexity: Blake and Zisserman 1987), and from either place with the noise as it is.
-        """
-        e = kalman.innovations(r)
-
-        def placed(place: tuple[float, float], x: Floats) -> tuple[float, float]:
-            return place[0] + place[1] * float(x[0]), place[1] * float(np.exp(x[1]))
-
-        def at(place: tuple[float, float], noise: float) -> tuple[float, float, float]:
-            first, part = seen(self.rows, *place, form)
-            # What a pulse did to the angles stays: of quiet angles the rows behind it tell most.
-            column = np.concatenate([part, np.zeros(len(e) - first - len(part))])
-            own, s = e[first:] / noise, kalman.innovations(column, first) / noise
-            ratio, size, _ = _ratio(own, s, self.nu)
-            # Past the trial's ends there is nothing that a place could miss.
-            near = slice(0, max(len(part), 1))
-            return ratio, size, float(np.sqrt(np.mean((own - size * s)[near] ** 2))) if len(own) else 0.0
-
-        def sought(near: tuple[float, float], noise: float) -> tuple[float, float]:
-            low, high = np.log([self.rows.step_s / near[1], LONGEST_PULSE_S / near[1]])
-            best = scipy.optimize.minimize(  # type: ignore[call-overload]
-                lambda x: -at(placed(near, x), noise)[0],
-                np.zeros(2),
-                method="Nelder-Mead",
-                bounds=scipy.optimize.Bounds([-1.0, min(low, 0.0)], [1.0, max(high, 0.0)]),
-                options={
-                    "initial_simplex": [[0.0, 0.0], [0.25, 0.0], [0.0, 0.25]],
-                    "xatol": NEGLIGIBLE,
-                    "fatol": NEGLIGIBLE,
-                },
-            )
-            return placed(near, best.x)
-
-        missed = at(near, 1.0)[2]
-        begun = [near, sought(near, missed)] if missed > EQUAL_SIGMAS else [near]
-        place = max((sought(one, 1.0) for one in begun), key=lambda one: at(one, 1.0)[0])
-        return *place, at(place, 1.0)[1]
-
-
-@compiled
-def _log_ratio(e: Floats, other: Floats, nu: float) -> float:
-    """Return by how much Student's log density of some innovations is more than that of others."""
-    ratio = 0.0
-    for i in range(len(e)):
-        ratio += np.log((nu + other[i] * other[i]) / (nu + e[i] * e[i]))
-    return 0.5 * (nu + 1.0) * ratio
 
 
 @compiled
@@ -247,41 +188,23 @@ def _evidence(
     n_shape, n = fit.shape
     evidence, attainable = np.full((n_shape, n), -np.inf), np.full((n_shape, n), -np.inf)
     perfect = np.concatenate((np.zeros(1), np.cumsum(0.5 * (nu + 1.0) * np.log1p(e**2 / nu))))
-    template, own, nothing = np.zeros(shapes.shape[1]), np.zeros(shapes.shape[1]), np.zeros(len(F))
-    for i in range(n_shape):
-        for k in range(n):
-            if not fit[i, k]:
+    longest, nothing = int(length.max()), np.zeros(len(F))
+    template, own = np.zeros(longest), np.zeros(longest)
+    for felt in range(-int(before.max()), n):  # all shapes that are felt from the same row on
+        first, end = max(0, felt), max(0, min(n, felt + longest))
+        innovations(F, C, gain, S, known, r[first:end], first, states[first], own[: end - first])
+        for i in range(n_shape):
+            k, last = felt + before[i], min(n, felt + length[i])
+            if not (0 <= k < n and first < last and fit[i, k]):
                 continue
-            first, last = max(0, k - before[i]), min(n, k - before[i] + length[i])
-            cut = first - (k - before[i])
             s, beside = template[: last - first], own[: last - first]
-            innovations(F, C, gain, S, known, shapes[i, cut : cut + last - first], first, nothing, s)
-            innovations(F, C, gain, S, known, r[first:last], first, states[first], beside)
-            ratio, c, information = _ratio(beside, s, nu)
-            ratio += _log_ratio(beside, e[first:last], nu)
+            column = shapes[i, first - felt : last - felt]
+            innovations(F, C, gain, S, known, column, first, nothing, s)
+            c, information = likeliest_size(beside, s, nu)
+            ratio = perfect[last] - perfect[first] - log_loss(beside, s, c, nu)
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
             prior = width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
             evidence[i, k] = ratio + prior
             normal = 0.5 * np.dot(s, beside) ** 2 / max(np.dot(s, s), 1e-300)
             attainable[i, k] = min(normal, perfect[last] - perfect[first]) + prior
     return evidence, attainable
-
-
-@compiled
-def _ratio(e: Floats, s: Floats, nu: float) -> tuple[float, float, float]:
-    """Return the log likelihood ratio of ``e = c s + Student's noise`` against c = 0, c, and the information on c.
-
-    By reweighting.
-    """
-    c, square = 0.0, 0.0
-    for step in range(ITERATIONS):
-        before, product, square = c, 0.0, 1e-300
-        for i in range(len(e)):
-            miss = e[i] - c * s[i]
-            weight = 1.0 if step == 0 else (nu + 1.0) / (nu + miss * miss)
-            product += weight * e[i] * s[i]
-            square += weight * s[i] * s[i]
-        c = product / square
-        if step > 0 and abs(c - before) < SETTLED * abs(c):
-            break
-    return _log_ratio(e - c * s, e, nu), c, square

@@ -8,7 +8,7 @@ import numpy as np
 from arm.model import Floats
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.torque.background import Background, Rows, outputs, state_space
-from fitter.diagnosis.torque.pulse import pulse_means
+from fitter.diagnosis.torque.pulse_column import pulse_means
 from fitter.diagnosis.torque.residual_torque import ResidualTorque
 
 STEP_S, LASTS_S, BAND_HZ = 0.04, 10.0, 12.5

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.kalman import Filter, gains
+from fitter.diagnosis.torque.kalman import Filter, gains, response
 
 N = 40
 
@@ -30,6 +30,20 @@ def test_innovations_are_linear_and_begin_at_a_column():
     first, second = (kalman.innovations(column) for column in columns.T)
     assert first + 2.0 * second == pytest.approx(kalman.innovations(columns @ [1.0, 2.0]))
     assert kalman.innovations(columns[10:15, 1], 10) == pytest.approx(second[10:15])
+
+
+@pytest.mark.parametrize(("length", "first"), [(1, 0), (3, 5), (4, N - 4)])
+def test_a_response_is_what_follows_from_a_column_until_it_has_settled(length, first):
+    """The filter forgets a random walk by one half a row: to a millionth in twenty rows."""
+    kalman = random_walk()
+    column = np.zeros(N)
+    column[first : first + length] = 1.0
+    whole = kalman.innovations(column)[first:]
+    arguments = kalman.F, kalman.C, kalman.gain, kalman.S, kalman.known, np.ones(length), first, 1e-6
+    found = response(*arguments)
+    assert found == pytest.approx(whole[: len(found)])
+    assert np.all(np.abs(whole[len(found) :]) < 1e-6 * np.max(np.abs(whole)))
+    assert len(found) <= 2 * length + 22
 
 
 def slow_and_fast() -> tuple[np.ndarray, ...]:

@@ -8,7 +8,8 @@ import scipy
 
 from fitter.data.derivatives import lowpass
 from fitter.diagnosis.torque.likeliest_pulses import at_likeliest, still_likely
-from fitter.diagnosis.torque.pulse import Pulse, pulse_means
+from fitter.diagnosis.torque.pulse import Pulse
+from fitter.diagnosis.torque.pulse_column import pulse_means
 from tests.fitter.diagnosis.torque.residuals import BAND_HZ, finer, trial
 
 

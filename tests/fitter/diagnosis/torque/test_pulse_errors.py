@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from fitter.diagnosis.torque.background import Background
-from fitter.diagnosis.torque.pulse import in_rows
+from fitter.diagnosis.torque.pulse_column import in_rows
 from fitter.diagnosis.torque.pulse_errors import place_errors
 from tests.fitter.diagnosis.torque.residuals import trial
 

@@ -1,15 +1,15 @@
-"""The search of one trial: the likelihood ratio in Student's noise, and the evidence for the places of a pulse."""
+"""The search of one trial: the evidence for the places of a pulse."""
 
 from dataclasses import replace
 
 import numpy as np
 import pytest
-import scipy.optimize
-import scipy.stats
 
 from fitter.diagnosis.torque.background import Background
-from fitter.diagnosis.torque.pulse import in_rows, without
-from fitter.diagnosis.torque.pulse_search import Search, _ratio
+from fitter.diagnosis.torque.pulse import without
+from fitter.diagnosis.torque.pulse_column import in_rows
+from fitter.diagnosis.torque.pulse_search import Search
+from fitter.diagnosis.torque.student_ratio import likeliest_ratio
 from tests.fitter.diagnosis.torque.residuals import filtered_pulse, finer, trial
 
 MODEL = Background(0.05, 0.3, 1e-6, 20.0, 0.5, np.full(2, 1e-9), np.ones(2), 1e-6, 1e-9, 30.0, 1e-9)
@@ -19,21 +19,6 @@ LEAST_NATS = 8.0
 def search(pulses):
     rows = trial(np.random.default_rng(4), pulses).rows(0)
     return Search(3, 1, rows, MODEL, 0.5)
-
-
-@pytest.mark.parametrize("nu", [3.0, 8.0, 100.0])
-def test_the_likelihood_ratio_is_that_of_students_distribution(nu):
-    rng = np.random.default_rng(2)
-    s = rng.normal(size=60)
-    e = 0.7 * s + scipy.stats.t.rvs(nu, size=60, random_state=rng)
-
-    def loss(c):
-        return -float(np.sum(scipy.stats.t.logpdf(e - c * s, nu)))
-
-    best = scipy.optimize.minimize_scalar(loss, bounds=(-5.0, 5.0), method="bounded")
-    ratio, c, _ = _ratio(e, s, nu)
-    assert c == pytest.approx(best.x, abs=0.01)
-    assert ratio == pytest.approx(loss(0.0) - best.fun, abs=0.01)
 
 
 def test_the_most_evident_pulse_comes_first_and_none_overlaps_another():
@@ -84,13 +69,6 @@ def test_evidence_is_made_anew_wherever_a_pulse_was_felt():
     np.testing.assert_allclose(one.remaining_evidence, whole, atol=0.01)
 
 
-def test_a_place_that_no_sample_of_the_trial_shows_has_no_evidence():
-    """A search from a trial's end on tries such places, and warned of a mean of nothing."""
-    one = search([])
-    _, _, size = one._likeliest(np.zeros(len(one.rows.t)), one.kalman, (60.0, 0.2), "rectangular")  # noqa: SLF001
-    assert size == 0.0
-
-
 @pytest.mark.parametrize(("start_s", "duration_s"), [(2.0, 0.085), (2.0, 0.09), (2.03, 0.1)])
 def test_a_large_pulse_between_the_grids_places_is_found_first(start_s, duration_s):
     """Fifty standard deviations off wherever its place is not exact, it has no evidence on the grid."""
@@ -111,4 +89,4 @@ def test_the_size_of_a_pulse_whose_start_is_unseen_is_that_of_where_it_is_put(fo
     first = next(one.found(LEAST_NATS))
     column = in_rows(rows, first.start_s, first.duration_s, first.form)
     e, s = (one.kalman.innovations(part) for part in (rows.r, column))
-    assert first.torque_N_m == pytest.approx(_ratio(e, s, MODEL.degrees_of_freedom)[1], rel=0.05)
+    assert first.torque_N_m == pytest.approx(likeliest_ratio(e, s, MODEL.degrees_of_freedom)[1], rel=0.05)

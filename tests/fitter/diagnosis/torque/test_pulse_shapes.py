@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S
-from fitter.diagnosis.torque.pulse import FORMS, Shapes, durations, in_rows
+from fitter.diagnosis.torque.pulse import Shapes, durations
+from fitter.diagnosis.torque.pulse_column import FORMS, in_rows
 from tests.fitter.diagnosis.torque.residuals import trial
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fitter.data.derivatives import lowpass
-from fitter.diagnosis.torque.pulse import pulse_means
+from fitter.diagnosis.torque.pulse_column import pulse_means
 from fitter.diagnosis.torque.pulses import find_pulses
 from tests.fitter.diagnosis.torque.residuals import BAND_HZ, STEP_S, coloured, finer, trial
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from fitter.diagnosis.torque.pulse import pulse_means
+from fitter.diagnosis.torque.pulse_column import pulse_means
 from tests.fitter.diagnosis.torque.residuals import STEP_S, trial
 
 

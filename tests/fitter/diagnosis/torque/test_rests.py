@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from fitter.diagnosis.torque.background import Background, Rows
-from fitter.diagnosis.torque.pulse import in_rows
+from fitter.diagnosis.torque.pulse_column import in_rows
 from fitter.diagnosis.torque.pulse_search import Search
 from fitter.diagnosis.torque.rests import amid, filtered_with_rests, unseen, with_rests
 from tests.fitter.diagnosis.torque.residuals import trial
