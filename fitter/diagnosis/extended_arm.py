@@ -10,9 +10,7 @@ from numpy.typing import NDArray
 from arm.base_parameters import with_base_values
 from arm.model import Arm, Effect, Estimate, Floats, Joint
 from arm.physical_links import is_possible, link_parameters
-from arm.regressor import standard_parameters
-from arm.structural_parameters import structural_parameters
-from fitter.diagnosis.estimates import Estimates, generic_arm
+from fitter.diagnosis.estimates import Estimates
 from fitter.diagnosis.model import Candidate, Hypothesis, Model, is_one
 from fitter.diagnosis.payload import Payload
 from fitter.diagnosis.regression import Regression
@@ -179,25 +177,3 @@ def _single(effect: Effect) -> list[Effect]:
         pushes.append(replace(effect, parameters={name: effect.parameters[f"{name}_{k}"] for name in names}))
         k += 1
     return pushes
-
-
-def possible_base(regression: Regression, fitted: Candidate) -> Floats:
-    """Return base parameters of links that can exist, the nearest to those of a fitted model, (n_base,).
-
-    Parameters
-    ----------
-    regression : Regression
-    fitted : Candidate
-
-    Raises
-    ------
-    NotConverged
-        If there are none.
-    """
-    hypothetical = regression.hypothetical(fitted.model, regression.motions[0])
-    base = structural_parameters(generic_arm(regression.arm, hypothetical.arm))
-    where = [base.independent.index(int(column)) for column in regression.equations.independent(hypothetical.arm)]
-    values = np.full(len(base.names), np.nan)
-    values[where] = fitted.x[: len(where)]
-    possible = nearest_possible(regression.arm, base, values)
-    return np.asarray((base.combination @ standard_parameters(possible))[where], dtype=np.float64)

@@ -107,6 +107,7 @@ class MassDensity:
         remembered_bytes: float = 1e8,
     ) -> None:
         self._equations, self._weight, self._count, self._start = equations, weight, count, start
+        self._motions = motions
         self._remembered_bytes = remembered_bytes
         pushes = np.eye(equations.arm.n_joint)
         self._pushed = {one.number: [replace(one, ddq=one.ddq + push) for push in pushes] for one in motions}
@@ -118,6 +119,10 @@ class MassDensity:
     def of(self, model: Model, x: Floats, motions: Sequence[Motion]) -> float:
         """Return ``w sum log |det M|`` over some motions [nats]; minus infinity for what is no mass."""
         return self.along(model, motions)(x)
+
+    def is_possible(self, base: Floats) -> bool:
+        """Say whether base parameters have masses that a body can have, in all motions."""
+        return bool(np.isfinite(self.of(Model(), base, self._motions)))
 
     def along(self, model: Model, motions: Sequence[Motion]) -> Callable[[Floats], float]:
         """Return `of` as a function of the factors: many are asked about under one model."""

@@ -1,7 +1,6 @@
 """The likelihood of the torque equation, with a floor of what the model lacks, as the search asks for it."""
 
 from collections.abc import Callable, Sequence
-from contextlib import suppress
 from dataclasses import replace
 from functools import partial
 
@@ -18,15 +17,14 @@ from fitter.diagnosis.evidence import (
     blocks_of,
     penalised_log_likelihood,
 )
-from fitter.diagnosis.extended_arm import possible_base
 from fitter.diagnosis.friction_limits import FrictionLimits
 from fitter.diagnosis.least_squares import ITERATIONS, NEGLIGIBLE, ODDS_NATS, ROUNDED
 from fitter.diagnosis.link_forces import free_link
 from fitter.diagnosis.mass_density import MassDensity
 from fitter.diagnosis.model import Candidate, Hypothesis, Model
+from fitter.diagnosis.possible_masses import possible_base
 from fitter.diagnosis.refinement import Starts, by_learning, fitted
 from fitter.diagnosis.regression import Regression
-from limbcal.errors import NotConverged
 
 Progress = Callable[[int, int], None]
 Screen = Callable[[Regression, Candidate, Sequence[Hypothesis], Starts, Progress | None], list[Candidate]]
@@ -257,11 +255,11 @@ class TorqueLikelihood:
         if weight > NEGLIGIBLE:
             count = {motion.number: anew.weighting.n_effective_at_joints(motion) for motion in anew.motions}
             start = candidate.x[: len(candidate.x) - candidate.model.n_column]
-            anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
-            if not np.isfinite(anew.density.of(Model(), start, anew.motions)):  # torques the wrong way round
-                with suppress(NotConverged):
-                    start = possible_base(self.regression, candidate)
-                    anew.density = MassDensity(anew.equations, anew.motions, weight, count, start)
+            density = MassDensity(anew.equations, anew.motions, weight, count, start)
+            if not density.is_possible(start):  # a torque the wrong way round, or of another size
+                start = possible_base(self.regression, candidate, density.is_possible)
+                density = MassDensity(anew.equations, anew.motions, weight, count, start)
+            anew.density = density
             anew.rests = FrictionLimits(anew.equations, anew.motions, anew.floor_part)
         self.regression = anew
         self._starts.forget()

@@ -120,7 +120,7 @@ def violations(
         root = _inverse_root(covariance[np.ix_(inertial, inertial)], scale)
         near, far = _NEAR_STD, _FAR_STD
     C = base.combination[inertial][:, : 10 * arm.n_joint]
-    optimum = least_squares_possible(root @ C, root @ values[inertial], _nominal(arm), np.ones(0), near)
+    optimum = least_squares_possible(root @ C, root @ values[inertial], nominal_links(arm), np.ones(0), near)
     if np.sqrt(optimum.cost) <= far:
         return found
     nearest = C @ optimum.links.ravel()
@@ -152,7 +152,7 @@ def nearest_possible(arm: Arm, base: BaseParameters, values: Floats) -> Arm:
     wanted = values[inertial]
     unit = np.maximum(np.abs(wanted), 1e-3 * max(1e-12, float(np.abs(wanted).max(initial=0.0))))
     C = base.combination[inertial][:, : 10 * arm.n_joint] / unit[:, None]
-    optimum = least_squares_possible(C, wanted / unit, _nominal(arm), np.ones(0), _NEAR_VALUE)
+    optimum = least_squares_possible(C, wanted / unit, nominal_links(arm), np.ones(0), _NEAR_VALUE)
     braking = np.where(_inertial(arm, base), values, np.maximum(np.nan_to_num(values), 0.0))
     return _with_links(arm, base, braking, optimum.links)
 
@@ -201,7 +201,7 @@ def physical_optimum(arm: Arm, base: BaseParameters, problem: TorqueProblem) -> 
     b = np.concatenate([z - W[:, kept] @ problem.prior[kept], weight * problem.prior[rest_of]])
 
     strength = np.linalg.norm(W[:, braking], axis=0)
-    optimum = least_squares_possible(A, b, _nominal(arm), np.sqrt(power) / strength, mu)
+    optimum = least_squares_possible(A, b, nominal_links(arm), np.sqrt(power) / strength, mu)
     friction = np.where((strength * optimum.friction) ** 2 <= mu, 0.0, optimum.friction)  # at its bound
     values = problem.prior.copy()
     values[inertial] = C[inertial] @ optimum.links.ravel()
@@ -216,8 +216,8 @@ def _inertial(arm: Arm, base: BaseParameters) -> NDArray[np.bool_]:
     return np.asarray(base.independent) < 10 * arm.n_joint
 
 
-def _nominal(arm: Arm) -> Floats:
-    """Return the arm's own links where they are possible, (n_joint, 10)."""
+def nominal_links(arm: Arm) -> Floats:
+    """Return the arm's own links where they are possible, rods of 1 kg elsewhere, (n_joint, 10)."""
     links = standard_parameters(arm)[: 10 * arm.n_joint].reshape(-1, 10)
     return np.array([link if is_possible(link) else _ROD for link in links])
 

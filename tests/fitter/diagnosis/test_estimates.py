@@ -9,12 +9,11 @@ from arm.effects.catalogue import catalogue
 from fitter.data.trials import to_trials
 from fitter.diagnosis.error_floor import regression_of
 from fitter.diagnosis.estimates import estimates, significant
-from fitter.diagnosis.extended_arm import extended_arm, possible_base
+from fitter.diagnosis.extended_arm import extended_arm
 from fitter.diagnosis.joint_hypotheses import JointHypothesis
 from fitter.diagnosis.model import Model
 from fitter.diagnosis.refinement import fitted
 from fitter.diagnosis.run import run_of
-from tests.fitter.diagnosis.two_joints import regression_of_two
 from tests.fitter.pendulum import pendulum, swings
 
 
@@ -78,13 +77,3 @@ def test_a_spring_without_stiffness_is_no_spring(regression, stiffness_std, said
     sprung = replace(base, model=Model((spring,), (np.zeros(0),)), x=np.append(base.x, [0.05, 0.05]))
     covariance = np.diag(np.append(np.ones(len(base.x)), [stiffness_std**2, 1e-6]))
     assert significant(sprung, covariance) == [said]
-
-
-def test_masses_that_no_body_has_become_the_nearest_that_one_can_have():
-    regression = regression_of_two()
-    base = fitted(regression, Model())
-    same = possible_base(regression, base)
-    np.testing.assert_allclose(same, base.x, rtol=0.05, atol=0.02 * np.abs(base.x).max())
-    upside_down = possible_base(regression, replace(base, x=-base.x))
-    names = estimates(regression, base).base.names
-    assert all(upside_down[k] >= 0.0 for k, name in enumerate(names) if name.startswith("I"))
