@@ -47,8 +47,8 @@ $(TESTS_READ): $(TEST_STAMP) $(TESTS)
 run: $(KERNELS) ## the main job on the virtual arm: measure, calibrate, simulate, play; writes out/report.html
 	@$(BIN)/python examples/main_job.py --out out
 
-test: $(TEST_STAMP) $(KERNELS) $(TESTS_READ) ## all tests, in four processes: many wait for a device
-	$(BIN)/python -m pytest -n 4 --dist worksteal --durations 40 --durations-min 5
+test: $(TEST_STAMP) $(KERNELS) $(TESTS_READ) ## all tests, in three processes: many wait for a device
+	$(BIN)/python -m pytest -n 3 --dist worksteal --durations 40 --durations-min 5
 
 soak: $(TEST_STAMP) ## endurance at length (two hours and a half): faults, kills, crowds, load, fuzzing; shows figures
 	$(BIN)/python -m pytest --long tests/soak tests/fuzz tests/playback tests/diagnosis tests/examples/test_human_arm.py
