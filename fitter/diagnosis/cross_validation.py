@@ -108,7 +108,9 @@ class CrossValidation:
         n_effective = [regression.weighting.n_effective(motion) for motion in regression.motions]
         self._n_effective = np.array(n_effective, dtype=np.float64)
         self._fold = np.arange(len(n_effective)) % folds
-        self.typical_chi2 = typical(self._held_out_chi2(self._products), self._n_effective)
+        #: Sum of squares that the model leaves in every trial with base parameters of the others, (n_trial,).
+        self.held_out = self._held_out_chi2(self._products)
+        self.typical_chi2 = typical(self.held_out, self._n_effective)
 
     def typical(self, some: Sequence[str], joint: int, smooth: bool = False) -> float:
         """Return the typical chi2 of held-out trials with a function of some variables, in units of noise.

@@ -70,10 +70,11 @@ def best_functions(fold: CrossValidation, n_joint: int) -> BestFunctions:
 def surpassed(regression: Regression, final: Candidate) -> bool:
     """Say whether a function of few variables leaves trials with clearly less than all causes do in its place.
 
-    It is judged on trials that it was not fitted to, by the sensors' noise: a floor was made for the causes. Both
-    are fitted under those weights. No formula is exact, so the causes have to leave twice as much beyond noise,
-    whose size is known to a tenth; the difference of the logarithms has to be two of its standard errors over the
-    trials.
+    Both are judged on the same trials that base parameters were not fitted to, by the sensors' noise: a floor was
+    made for the causes. Both are fitted under those weights. The causes' own numbers, which are few, are those of
+    all trials: from learning trials alone they may be known badly, and would predict badly. No formula is exact,
+    so the causes have to leave twice as much beyond noise, whose size is known to a tenth; the difference of the
+    logarithms has to be two of its standard errors over the trials.
 
     Parameters
     ----------
@@ -82,7 +83,7 @@ def surpassed(regression: Regression, final: Candidate) -> bool:
         The model with all causes.
     """
     own = regression.weighted_by(regression.sensors)
-    by_causes = fitted(own, final.model, refine=False).squares
+    by_causes = CrossValidation(own, fitted(own, final.model, refine=False, to_all=True)).held_out
     beyond, known = float(np.mean(by_causes / own.n_effective)) - 1.0, NOISE_VARIANCE_TOLERANCE - 1.0
     if beyond <= CLEAR_RATIO * known:  # whatever a function left, it would not be clearly less
         return False
