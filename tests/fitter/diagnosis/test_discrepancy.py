@@ -88,3 +88,13 @@ def test_a_true_cause_is_outdone_by_no_function(name, numbers):
     regression, search = searched(plain, [JointHypothesis(catalogue()[name], 0)])
     assert [one.kind.name for one in search.final.model.hypotheses] == [name]
     assert not surpassed(regression, search.final)
+
+
+def test_a_true_cause_of_which_calm_motions_know_little_is_outdone_by_no_function():
+    drag = Effect("quadratic_drag", {"drag_N_m_s2": 0.6}, joints=(1,))
+    motions = sorted(swings((drag,), trials=16), key=lambda one: float(np.ptp(one.columns["q"])))
+    regression = regression_of(motions, 2)
+    cause = JointHypothesis(catalogue()["quadratic_drag"], 0)
+    final = fitted(regression, Model((cause,), (np.zeros(0),)))
+    assert np.mean((final.squares / regression.n_effective)[2:]) > 2.0
+    assert not surpassed(regression, final)
