@@ -7,7 +7,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from arm.model import Floats
-from fitter.diagnosis.least_squares import NEGLIGIBLE, SETTLED
+from fitter.diagnosis.least_squares import NEGLIGIBLE, SETTLED, TINY
 from fitter.diagnosis.torque.background import LONGEST_PULSE_S, Background, Rows
 from fitter.diagnosis.torque.kalman import Filter, innovations
 from fitter.diagnosis.torque.pulse import SHORTEST_ROWS, Pulse, Shapes, either
@@ -205,6 +205,6 @@ def _evidence(
             width = 0.5 * np.log(2.0 * np.pi / information)  # of the likelihood, by Laplace
             prior = width - np.log(np.pi * size * (1.0 + (c / size) ** 2))
             evidence[i, k] = ratio + prior
-            normal = 0.5 * np.dot(s, beside) ** 2 / max(np.dot(s, s), 1e-300)
+            normal = 0.5 * np.dot(s, beside) ** 2 / max(np.dot(s, s), TINY)
             attainable[i, k] = min(normal, perfect[last] - perfect[first]) + prior
     return evidence, attainable
